@@ -1,0 +1,88 @@
+"""``surefoot run``: walk a planned mission against an obstacle."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from surefoot.cli.output import AsJson, answer, facts, progress
+from surefoot.errors import InputError
+
+if TYPE_CHECKING:
+    from surefoot.missions.biped import RunAnswer
+
+
+class Obstacle(StrEnum):
+    """Who moves the obstacles."""
+
+    RANDOM = "random"
+    ADVERSARIAL = "adversarial"
+    SCRIPTED = "scripted"
+
+
+def run(
+    scenario: Annotated[Path, typer.Argument(help="The scenario, a YAML file.", show_default=False)],
+    plan: Annotated[Path, typer.Option("-p", "--plan", help="The folder of its plan.")] = Path("plan"),
+    steps: Annotated[int, typer.Option("-n", "--steps", min=1, max=10_000_000, help="How many walking steps.")] = 500,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of whatever is random; the same seed, the same run.")] = 0,
+    obstacle: Annotated[
+        Obstacle, typer.Option(help="How obstacles move: at random, to block and hunt the robot, or as a file says.")
+    ] = Obstacle.RANDOM,
+    script: Annotated[
+        Path | None, typer.Option(help="Where scripted obstacles go: a file with one line of cells per turn.")
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="The folder for the run.")] = Path("run"),
+    as_json: AsJson = False,
+) -> None:
+    """Walk a planned mission, log every step and verify the log.
+
+    Examples:
+      surefoot run my.yaml --plan plan/
+      surefoot run my.yaml --steps 500 --seed 7 --obstacle adversarial -o run/
+      surefoot run my.yaml --obstacle scripted --script cells.txt --json
+
+    Exit code 0: every goal was reached, nothing collided, no step was unsafe,
+    and the log is verified; 1: not so; 2: the input cannot be used, such as a
+    plan that was made for another scenario.
+    """
+    from surefoot.missions.biped import run_mission
+
+    if (script is not None) != (obstacle is Obstacle.SCRIPTED):
+        raise InputError("--script FILE and --obstacle scripted belong together; give both or neither")
+    with progress() as say:
+        walked = run_mission(
+            scenario, plan, steps=steps, seed=seed, obstacle=obstacle.value, script=script, out=output, progress=say
+        )
+    answer(walked, run_lines(walked), yes=mission_reached(walked), as_json=as_json)
+
+
+def mission_reached(walked: RunAnswer) -> bool:
+    """Return whether every goal was reached, nothing collided, no step was unsafe and the log was verified."""
+    safe = walked.collisions == 0 and walked.unsafe_steps == 0 and walked.verified
+    return safe and all(count > 0 for count in walked.goals_reached)
+
+
+def run_lines(walked: RunAnswer) -> list[str]:
+    """Return what a person wants to know about a run."""
+    head = "The mission was reached" if mission_reached(walked) else "The mission was NOT reached"
+    return [
+        f"{head}: {walked.out}",
+        *facts(
+            {
+                "walking steps": walked.steps,
+                "turns": walked.turns,
+                "goals reached": walked.goals_reached,
+                "collisions": walked.collisions,
+                "unsafe steps": walked.unsafe_steps,
+                "waypoint corrections": walked.waypoint_corrections,
+                "share of alternating signs": walked.sign_alternation_share,
+                "planning a step, mean [ms]": walked.plan_ms_mean,
+                "planning a step, 95 % below [ms]": walked.plan_ms_p95,
+                "log verified": walked.verified,
+            }
+        ),
+        *(f"  note: {note}" for note in walked.notes),
+    ]

@@ -1,0 +1,26 @@
+"""Solving: fixpoints and executable strategies."""
+
+from surefoot.games.arena import Arena, reachable, restrict, swap_players, with_goals
+from surefoot.games.explicit import solve
+from surefoot.games.solution import Engine, EnvDeadEnd, Solution, follow, visit
+from surefoot.games.warming import is_compiled, warm_up
+from surefoot.games.witness import can_stay_safe, environment_cannot_keep_assumptions, failing_goals
+
+__all__ = [
+    "Arena",
+    "Engine",
+    "EnvDeadEnd",
+    "Solution",
+    "can_stay_safe",
+    "environment_cannot_keep_assumptions",
+    "failing_goals",
+    "follow",
+    "is_compiled",
+    "reachable",
+    "restrict",
+    "solve",
+    "swap_players",
+    "visit",
+    "warm_up",
+    "with_goals",
+]

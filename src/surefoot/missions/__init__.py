@@ -1,0 +1,1 @@
+"""Scenario files, the online executives and run logs."""

@@ -1,0 +1,218 @@
+"""The blocks of a scenario file, as `docs/formats.md` 1 lists them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+
+_REACH_M = 1e5
+
+Metres = Annotated[float, Field(ge=-_REACH_M, le=_REACH_M)]
+Length = Annotated[float, Field(gt=0, le=_REACH_M)]
+Positive = Annotated[float, Field(gt=0, le=1e6)]
+NotNegative = Annotated[float, Field(ge=0, le=1e6)]
+Point = Annotated[tuple[Metres, Metres], Field(description="[x, y] in metres of the map")]
+Costs = tuple[NotNegative, NotNegative, NotNegative, NotNegative]
+Compass = Literal["north", "east", "south", "west"]
+
+
+def _two_corners(corners: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    if corners[:2] == corners[2:]:
+        raise ValueError("needs two opposite corners [x0, y0, x1, y1] that differ")
+    return corners
+
+
+Rectangle = Annotated[
+    tuple[Metres, Metres, Metres, Metres],
+    AfterValidator(_two_corners),
+    Field(description="two opposite corners [x0, y0, x1, y1] in metres of the map; the sides are parallel to the grid"),
+]
+
+
+class Block(BaseModel):
+    """What all blocks share: unknown keys refused, no guessing of types, frozen, a key without a value is not given."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _drop_empty(cls, given: Any) -> Any:
+        if not isinstance(given, dict):
+            return given
+        return {key: value for key, value in given.items() if value is not None or key not in cls.model_fields}
+
+
+class GridBlock(Block):
+    """How the map is cut into coarse cells."""
+
+    cell_size_m: Annotated[Length, Field(ge=0.05, description="side of a coarse cell")]
+    origin_m: Annotated[Point, Field(description="a point where cell corners lie")] = (0.0, 0.0)
+    rotation_rad: Annotated[
+        float, Field(ge=-2 * math.pi, le=2 * math.pi, description="how the grid is turned, counter-clockwise")
+    ] = 0.0
+    unknown: Annotated[Literal["blocked", "free"], Field(description="what pixels of unknown occupancy count as")] = (
+        "blocked"
+    )
+
+
+class StartBlock(Block):
+    """Where the robot stands at first."""
+
+    position_m: Point
+    heading: Annotated[Compass, Field(description="a direction of the grid")]
+
+
+class GoalBlock(Block):
+    """A place to visit."""
+
+    position_m: Point
+
+
+class ForbiddenBlock(Block):
+    """Where an obstacle never goes."""
+
+    rectangle_m: Rectangle
+
+
+class ObstacleBlock(Block):
+    """A moving obstacle."""
+
+    start_m: Annotated[Point, Field(description="where it is at the start, which the robot knows")]
+    forbidden: Annotated[
+        tuple[ForbiddenBlock, ...], Field(max_length=1000, description="where this obstacle never goes")
+    ] = ()
+
+
+class SensorBlock(Block):
+    """How far the robot sees."""
+
+    range_m: Length
+
+
+class RegionBlock(Block):
+    """One belief region: the cells whose centres lie in one of the rectangles."""
+
+    rectangles_m: Annotated[tuple[Rectangle, ...], Field(min_length=1, max_length=1000)]
+
+
+class FloorBlock(Block):
+    """Cells with a floor that is not at height 0."""
+
+    rectangles_m: Annotated[tuple[Rectangle, ...], Field(min_length=1, max_length=1000)]
+    height_m: Annotated[float, Field(ge=-100, le=100)]
+
+
+class StairsBlock(Block):
+    """A flight of stairs (rules.md 2)."""
+
+    rectangle_m: Rectangle
+    up: Annotated[Compass, Field(description="the direction of the grid in which the stairs climb")]
+    risers: Annotated[int, Field(ge=1, le=1000, description="how many")]
+    riser_m: Annotated[float, Field(gt=0, le=1, description="height of one riser")]
+    tread_m: Annotated[float, Field(gt=0, le=10, description="depth of one tread")]
+    first_riser_m: Annotated[
+        float, Field(ge=0, le=1000, description="from the lower edge of the rectangle, along `up`")
+    ]
+
+
+class HeightsBlock(Block):
+    """Floors and stairs; everywhere else the floor is flat, at 0."""
+
+    floors: Annotated[tuple[FloorBlock, ...], Field(max_length=1000)] = ()
+    stairs: Annotated[tuple[StairsBlock, ...], Field(max_length=1000)] = ()
+
+
+class NavigationBlock(Block):
+    """Options of the navigation game (rules.md 3 and 4)."""
+
+    view: Annotated[
+        Literal["post", "pre"], Field(description="obstacles are seen from the cell that is reached, or left")
+    ] = "post"
+    corners: Annotated[
+        Literal["visible", "hidden"], Field(description="whether a line of sight may graze a blocked corner")
+    ] = "visible"
+    belief: Annotated[
+        Literal["regions", "exact", "single"] | None,
+        Field(description="how precisely hidden obstacles are tracked; default: regions if there are some, else exact"),
+    ] = None
+
+
+class WalkingBlock(Block):
+    """Numbers of the gait. What is not given gets the default of `surefoot.walking.walking_parameters`."""
+
+    fine_cells: Annotated[
+        int | None, Field(ge=4, le=200, description="fine cells per side of a coarse cell; default: one per 0.104 m")
+    ] = None
+    turn_angle_deg: Annotated[
+        float | None, Field(gt=0, le=90, description="heading change of a turn step; must divide 90; default 22.5")
+    ] = None
+    straight_cells: Annotated[
+        tuple[Annotated[int, Field(ge=1, le=200)], ...] | None,
+        Field(min_length=1, max_length=16, description="lengths of straight steps in fine cells; default [4, 3, 5]"),
+    ] = None
+    pre_step_cells: Annotated[int | None, Field(ge=1, le=200, description="default 4")] = None
+    stop_cells: Annotated[int | None, Field(ge=1, le=200, description="default 2")] = None
+    turn_a_cells: Annotated[
+        tuple[Positive, ...] | None,
+        Field(min_length=1, max_length=90, description="lengths of the steps of a turn away from the stance foot"),
+    ] = None
+    turn_b_cells: Annotated[
+        tuple[Positive, ...] | None,
+        Field(min_length=1, max_length=90, description="lengths of the steps of a turn toward the stance foot"),
+    ] = None
+    side_band_cells: Annotated[
+        int | None, Field(ge=0, le=100, description="kept free to the side of the robot; default 6")
+    ] = None
+    sagittal_outcomes_cells: Annotated[int | None, Field(ge=0, le=10, description="default 1")] = None
+    lateral_outcomes_cells: Annotated[int | None, Field(ge=0, le=10, description="default 2")] = None
+    max_step_height_m: Annotated[float | None, Field(ge=0, le=1, description="default 0.2")] = None
+    safety_distance_m: Annotated[
+        float | None, Field(gt=0, le=10, description="bound on foot to waypoint, sideways; default 0.52")
+    ] = None
+    apex_speed_mps: Annotated[
+        tuple[Positive, Positive] | None, Field(description="[least, most]; default [0.2, 0.7]")
+    ] = None
+    steering_speed_max_mps: Annotated[
+        float | None, Field(gt=0, le=10, description="cap of the apex speed at a turn step; default 0.4")
+    ] = None
+    switch_speed_max_mps: Annotated[float | None, Field(gt=0, le=10, description="default 1.1")] = None
+    dy1_m: Annotated[
+        float | None, Field(ge=0, le=10, description="desired apex to waypoint, straight; default 0.10")
+    ] = None
+    dy2_m: Annotated[float | None, Field(gt=0, le=10, description="desired foot to apex; default 0.135")] = None
+    cost_straight: Annotated[
+        Costs | None, Field(description="[c1, c2, c3, c4] of Algorithm 1; default [1, 1, 0, 0]")
+    ] = None
+    cost_steering: Annotated[
+        Costs | None, Field(description="[c1, c2, c3, c4] of Algorithm 1; default [7, 4, 0, 0]")
+    ] = None
+    desired_duration_s: Annotated[float | None, Field(gt=0, le=10, description="used by c3; default 0.45")] = None
+    desired_width_m: Annotated[float | None, Field(gt=0, le=10, description="used by c4; default 0.45")] = None
+
+    @field_validator("turn_angle_deg")
+    @classmethod
+    def _divides_90(cls, angle: float | None) -> float | None:
+        if angle is not None and abs(90 / angle - round(90 / angle)) > 1e-9:
+            raise ValueError("must divide 90, such as 15, 18, 22.5, 30 or 45")
+        return angle
+
+    @field_validator("turn_a_cells", "turn_b_cells")
+    @classmethod
+    def _whole_turn(cls, lengths: tuple[float, ...] | None, info: ValidationInfo) -> tuple[float, ...] | None:
+        steps = round(90 / (info.data.get("turn_angle_deg") or 22.5))
+        if lengths is not None and "turn_angle_deg" in info.data and len(lengths) != steps:
+            raise ValueError(f"needs {steps} lengths, one for each step of a quarter turn, not {len(lengths)}")
+        return lengths
+
+    @field_validator("apex_speed_mps")
+    @classmethod
+    def _ascending(cls, speeds: tuple[float, float] | None) -> tuple[float, float] | None:
+        if speeds is not None and speeds[0] >= speeds[1]:
+            raise ValueError("needs [least, most] with least below most")
+        return speeds
+
+    def given(self) -> dict[str, Any]:
+        """Return the keys that the scenario gives, for ``walking_parameters(cell_size_m, **given)``."""
+        return {key: value for key in type(self).model_fields if (value := getattr(self, key)) is not None}

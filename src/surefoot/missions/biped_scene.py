@@ -1,0 +1,259 @@
+"""A biped scenario brought onto its map: the values that planning and walking share."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from heapq import heappop, heappush
+from pathlib import Path
+
+from surefoot.errors import InputError
+from surefoot.frames import Cell, Direction
+from surefoot.missions.scenario import Scenario, read_scenario
+from surefoot.navigation import CoarseMap, NavigationProblem, adjacent_free, coarse_map
+from surefoot.robots import Biped, biped
+from surefoot.walking import StepLibrary, WalkingParameters, step_library, walking_parameters
+from surefoot.world import (
+    CoarseGrid,
+    Floor,
+    HeightMap,
+    OccupancyMap,
+    Rectangle,
+    Stairs,
+    make_grid,
+    make_heights,
+    read_occupancy_map,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class BipedScene:
+    """A scenario on its map.
+
+    Attributes:
+        path: the scenario file.
+        scenario: what it says.
+        occupancy: the map's pixels.
+        robot: the biped's numbers.
+        walking: the walking parameters with their defaults filled in.
+        library: the steps, checked against the theorems.
+        coarse: cells, moves and views.
+        problem: the navigation problem.
+    """
+
+    path: Path
+    scenario: Scenario
+    occupancy: OccupancyMap
+    robot: Biped
+    walking: WalkingParameters
+    library: StepLibrary
+    coarse: CoarseMap
+    problem: NavigationProblem
+
+    @property
+    def grid(self) -> CoarseGrid:
+        """Return the coarse grid."""
+        return self.coarse.grid
+
+    @property
+    def heights(self) -> HeightMap:
+        """Return floors and stairs."""
+        return self.coarse.heights
+
+
+def read_biped_scene(path: Path) -> BipedScene:
+    """Read a scenario and everything that it names.
+
+    Raises:
+        InputError: with the file and key, if anything in it cannot be used.
+    """
+    scenario = read_scenario(path)
+    occupancy = read_occupancy_map(scenario.map_path, scenario.map_resolution_m)
+    robot = biped(scenario.robot)
+    with _placed(scenario):
+        given = scenario.walking.model_dump(exclude_none=True)
+        walking = walking_parameters(scenario.grid.cell_size_m, **given)
+        library = step_library(walking, robot)
+        grid = make_grid(
+            occupancy,
+            cell_size_m=scenario.grid.cell_size_m,
+            origin_m=scenario.grid.origin_m,
+            rotation_rad=scenario.grid.rotation_rad,
+            unknown=scenario.grid.unknown,
+            inflation_m=inflation_m(walking, robot),
+        )
+        heights = make_heights(grid, walking.fine_cells, _floors(scenario), _stairs(scenario))
+        coarse = coarse_map(grid, heights, scenario.sensor.range_m, scenario.navigation.corners)
+        problem = _problem(scenario, coarse)
+    return BipedScene(path, scenario, occupancy, robot, walking, library, coarse, problem)
+
+
+def inflation_m(walking: WalkingParameters, robot: Biped) -> float:
+    """Return by how much the reach of a footprint from the waypoint exceeds the side band [m] (rules.md 1)."""
+    band_m = (walking.side_band_cells + 0.5) * walking.fine_cell_m
+    return max(0.0, walking.safety_distance_m + robot.foot_radius_m - band_m)
+
+
+@contextmanager
+def _placed(scenario: Scenario) -> Iterator[None]:
+    """Add the scenario's file and line to input errors that name a key of it."""
+    try:
+        yield
+    except InputError as problem:
+        if problem.source is not None:
+            raise
+        parts = re.findall(r"[^.\[\]]+", problem.key or "")
+        where = scenario.place(*(int(part) if part.isdigit() else part for part in parts))
+        raise InputError(problem.message, **where) from problem
+
+
+def _floors(scenario: Scenario) -> tuple[Floor, ...]:
+    return tuple(Floor(tuple(floor.rectangles_m), floor.height_m) for floor in scenario.heights.floors)
+
+
+def _stairs(scenario: Scenario) -> tuple[Stairs, ...]:
+    return tuple(
+        Stairs(
+            stairs.rectangle_m,
+            Direction[stairs.up.upper()],
+            stairs.risers,
+            stairs.riser_m,
+            stairs.tread_m,
+            stairs.first_riser_m,
+        )
+        for stairs in scenario.heights.stairs
+    )
+
+
+def _problem(scenario: Scenario, coarse: CoarseMap) -> NavigationProblem:
+    """Return the navigation problem, having checked every place that the scenario names."""
+    grid = coarse.grid
+    start = _free_cell(grid, scenario.start.position_m, "start.position_m")
+    if coarse.is_stairs(grid.index(start)):
+        raise InputError(f"{tuple(start)} is a stairs cell; the robot starts in a flat one", key="start.position_m")
+    goals = tuple(
+        _free_cell(grid, goal.position_m, f"goals[{number}].position_m") for number, goal in enumerate(scenario.goals)
+    )
+    for number, goal in enumerate(goals):
+        _check_reachable(coarse, start, goal, f"goals[{number}].position_m")
+    obstacles, forbidden = _obstacles(scenario, grid, start)
+    regions = _regions(scenario, grid)
+    return NavigationProblem(
+        coarse=coarse,
+        start=grid.index(start),
+        heading=Direction[scenario.start.heading.upper()],
+        goals=tuple(map(grid.index, goals)),
+        obstacle_starts=tuple(map(grid.index, obstacles)),
+        forbidden=forbidden,
+        regions=regions,
+        belief=scenario.belief,
+        view=scenario.navigation.view,
+    )
+
+
+def _free_cell(grid: CoarseGrid, position_m: tuple[float, float], key: str) -> Cell:
+    cell = grid.cell_at(position_m)
+    if cell is None:
+        raise InputError(f"{tuple(position_m)} is off the grid, which has {_extent(grid)}", key=key)
+    if not grid.is_free(cell):
+        nearest = min(grid.free_cells(), key=lambda free: _distance(grid, free, position_m), default=None)
+        allowed = "the map has no free cell" if nearest is None else f"the nearest free one is {_named(grid, nearest)}"
+        raise InputError(f"{tuple(position_m)} lies in the blocked cell {tuple(cell)}; {allowed}", key=key)
+    return cell
+
+
+def _extent(grid: CoarseGrid) -> str:
+    centers = [grid.center_m(Cell(row, column)) for row in (0, grid.rows - 1) for column in (0, grid.columns - 1)]
+    xs, ys = zip(*centers, strict=True)
+    return (
+        f"{grid.rows} x {grid.columns} cells with centres from ({min(xs):.2f}, {min(ys):.2f}) "
+        f"to ({max(xs):.2f}, {max(ys):.2f}) m"
+    )
+
+
+def _named(grid: CoarseGrid, cell: Cell) -> str:
+    x, y = grid.center_m(cell)
+    return f"{tuple(cell)} with its centre at ({x:.2f}, {y:.2f}) m"
+
+
+def _distance(grid: CoarseGrid, cell: Cell, position_m: tuple[float, float]) -> float:
+    x, y = grid.center_m(cell)
+    return (x - position_m[0]) ** 2 + (y - position_m[1]) ** 2
+
+
+def _check_reachable(coarse: CoarseMap, start: Cell, goal: Cell, key: str) -> None:
+    """Refuse a goal that no walk reaches, naming what separates it from the start."""
+    reached, queue = {start}, [start]
+    grid = coarse.grid
+    for cell in queue:
+        for direction in Direction:
+            near = cell.neighbour(direction)
+            if near not in reached and coarse.heights.passable(grid, cell, direction):
+                reached.add(near)
+                queue.append(near)
+    if goal in reached:
+        return
+    walls = separating_cells(grid, start, goal)
+    what = ", ".join(str(tuple(cell)) for cell in walls)
+    reason = f"the blocked cells {what} separate them" if walls else "a difference in height separates them"
+    raise InputError(f"the cell {tuple(goal)} cannot be reached from the start {tuple(start)}: {reason}", key=key)
+
+
+def separating_cells(grid: CoarseGrid, start: Cell, goal: Cell) -> tuple[Cell, ...]:
+    """Return the fewest blocked cells that would have to be free for a way from one cell to another."""
+    queue: list[tuple[int, Cell]] = [(0, start)]
+    best: dict[Cell, tuple[int, Cell | None]] = {start: (0, None)}
+    while queue:
+        cost, cell = heappop(queue)
+        for direction in Direction:
+            near = cell.neighbour(direction)
+            toll = cost + (not grid.is_free(near))
+            if grid.has(near) and toll < best.get(near, (toll + 1, None))[0]:
+                best[near] = (toll, cell)
+                heappush(queue, (toll, near))
+    way, place = [], best[goal][1]
+    while place is not None:
+        way.append(place)
+        place = best[place][1]
+    return tuple(cell for cell in reversed(way) if not grid.is_free(cell))
+
+
+def _obstacles(scenario: Scenario, grid: CoarseGrid, start: Cell) -> tuple[tuple[Cell, ...], frozenset[int]]:
+    """Return where the obstacles start and which cells they never enter."""
+    if len(scenario.obstacles) > 1:
+        raise InputError(f"{len(scenario.obstacles)} obstacles are given; at most one is allowed so far", key="obstacles")
+    cells, forbidden = [], frozenset[int]()
+    for number, obstacle in enumerate(scenario.obstacles):
+        key = f"obstacles[{number}].start_m"
+        cell = _free_cell(grid, obstacle.start_m, key)
+        rectangles: list[Rectangle] = [area.rectangle_m for area in obstacle.forbidden]
+        forbidden = frozenset(grid.index(place) for area in rectangles for place in grid.wholly_inside(area))
+        if grid.index(cell) in forbidden:
+            raise InputError(f"the cell {tuple(cell)} is forbidden to this obstacle; start it outside", key=key)
+        if cell == start:
+            raise InputError(f"the cell {tuple(cell)} is the robot's; start the obstacle in another", key=key)
+        cells.append(cell)
+    return tuple(cells), forbidden
+
+
+def _regions(scenario: Scenario, grid: CoarseGrid) -> tuple[frozenset[int], ...]:
+    """Return the belief regions as sets of cells; they must be disjoint and not empty."""
+    regions: list[frozenset[int]] = []
+    for number, region in enumerate(scenario.belief_regions):
+        key = f"belief_regions[{number}].rectangles_m"
+        cells = frozenset(grid.index(cell) for area in region.rectangles_m for cell in grid.centered_in(area))
+        if not cells:
+            raise InputError("no cell has its centre in this region; rectangles are [x0, y0, x1, y1] in metres", key=key)
+        for other, earlier in enumerate(regions):
+            if common := cells & earlier:
+                shared = tuple(grid.cell(min(common)))
+                raise InputError(f"overlaps belief_regions[{other}] in the cell {shared}; regions are disjoint", key=key)
+        regions.append(cells)
+    return tuple(regions)
+
+
+def is_dead_end(grid: CoarseGrid, cell: Cell) -> bool:
+    """Return whether a cell has at most one free neighbour, so that the robot, which makes no U-turn, cannot leave it."""
+    return len(adjacent_free(grid, cell)) <= 1

@@ -1,0 +1,93 @@
+"""Reads a saved plan back for walking it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from surefoot.compute import sha256_of
+from surefoot.errors import InputError
+from surefoot.missions.biped_scene import BipedScene
+from surefoot.navigation import (
+    ActionRules,
+    ActionStrategy,
+    NavigationStrategy,
+    action_rules,
+    load_action_strategy,
+    load_navigation_strategy,
+)
+
+LARGEST_PLAN_BYTES = 50_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class BipedPlan:
+    """A plan, ready to be walked.
+
+    Attributes:
+        navigation: which order to give.
+        action: which walking action to take.
+        rules: the action game that it was made for.
+        fine_start: fine row and column where the robot stands at the start.
+    """
+
+    navigation: NavigationStrategy
+    action: ActionStrategy
+    rules: ActionRules
+    fine_start: tuple[int, int]
+
+
+def read_plan(folder: Path, scene: BipedScene) -> BipedPlan:
+    """Read a plan folder and make sure that it was made for a scenario.
+
+    Raises:
+        InputError: if it is not a whole plan, or one made for another scenario or map.
+    """
+    document = read_plan_document(folder)
+    path = folder / "plan.json"
+    try:
+        expected = [
+            (scene.path, document["scenario"]["sha256"]),
+            (scene.occupancy.path, document["map"]["sha256"]),
+            (scene.occupancy.image_path, document["map"]["image_sha256"]),
+            *((folder / name, document["files"][name]) for name in ("navigation.npz", "action.npz")),
+        ]
+        fine_start = document["start"]["fine"]
+        start = int(fine_start["row"]), int(fine_start["column"])
+    except (KeyError, TypeError, ValueError) as problem:
+        raise InputError(f"lacks {problem} or holds another type there; plan again", source=path) from problem
+    for input_path, digest in expected:
+        if not input_path.is_file() or sha256_of(input_path) != digest:
+            raise InputError(
+                f"was made for another {input_path.name} than {input_path}; plan again with: "
+                f"surefoot plan {scene.path} -o {folder}",
+                source=path,
+            )
+    return BipedPlan(
+        load_navigation_strategy(folder / "navigation.npz", scene.problem.goals),
+        load_action_strategy(folder / "action.npz"),
+        action_rules(scene.coarse, scene.library),
+        start,
+    )
+
+
+def read_plan_document(folder: Path) -> dict[str, Any]:
+    """Return the content of plan.json.
+
+    Raises:
+        InputError: if the folder holds no plan of this version.
+    """
+    path = folder / "plan.json"
+    if not path.is_file():
+        raise InputError("holds no plan.json; make a plan with: surefoot plan SCENARIO -o FOLDER", source=folder)
+    if path.stat().st_size > LARGEST_PLAN_BYTES:
+        raise InputError(f"is larger than {LARGEST_PLAN_BYTES} bytes", source=path)
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, json.JSONDecodeError) as problem:
+        raise InputError(f"is not whole JSON: {problem}", source=path) from problem
+    if not isinstance(document, dict) or document.get("kind") != "biped-plan" or document.get("format") != 1:
+        raise InputError("is not a plan of format 1 and kind biped-plan", source=path)
+    return document

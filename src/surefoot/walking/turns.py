@@ -1,0 +1,104 @@
+"""Lengths of the steps of a quarter turn that end exactly on the centre of a fine cell.
+
+A quarter turn has k steps; step i first turns by 90/k degrees and then goes its length along the new heading. With f the
+way along the original heading and t the way toward the turn's side, lengths that are symmetric (l_i = l_(k-i)) obey
+t = f + l_k, so that one free length and a whole last step remove all drift. The nominal lengths of the papers are
+0.43 m for a step away from the stance foot and 0.28 m for a step toward it (Shamsah et al., T-RO 2023, Eqs. 8-9).
+"""
+
+from __future__ import annotations
+
+import math
+
+from surefoot.errors import InputError
+
+END_TOLERANCE_CELLS = 1e-3
+_REFERENCE_CELL_M = 0.1039812
+_LONG_CELLS = 0.43 / _REFERENCE_CELL_M
+_SHORT_CELLS = 0.28 / _REFERENCE_CELL_M
+_LAST_TOWARD_B_CELLS = 0.47389 / _REFERENCE_CELL_M
+
+
+def quarter_turn_end(lengths_cells: tuple[float, ...]) -> tuple[float, float]:
+    """Return how far a quarter turn goes along its original heading and toward its side, in fine cells."""
+    turn_rad = math.pi / 2 / len(lengths_cells)
+    forward = sum(length * math.cos(i * turn_rad) for i, length in enumerate(lengths_cells, 1))
+    sideways = sum(length * math.sin(i * turn_rad) for i, length in enumerate(lengths_cells, 1))
+    return forward, sideways
+
+
+def booked_displacements(lengths_cells: tuple[float, ...], turn_rad: float) -> tuple[tuple[int, int], ...]:
+    """Return what each step of a turn is booked as: (forward, sideways) in fine cells of the original heading.
+
+    The sum of the first i displacements is the cell that contains the true point after i steps.
+    """
+    booked: list[tuple[int, int]] = []
+    forward = sideways = 0.0
+    cell = (0, 0)
+    for i, length in enumerate(lengths_cells, 1):
+        forward += length * math.cos(i * turn_rad)
+        sideways += length * math.sin(i * turn_rad)
+        reached = (round(forward), round(sideways))
+        booked.append((reached[0] - cell[0], reached[1] - cell[1]))
+        cell = reached
+    return tuple(booked)
+
+
+def default_lengths(turn_steps: int, turn_type: str) -> tuple[float, ...]:
+    """Derive drift-free lengths near the nominal pattern.
+
+    Args:
+        turn_steps: k, how many steps make a quarter turn.
+        turn_type: ``A`` (the first step is away from the stance foot) or ``B`` (it is toward it).
+
+    Returns:
+        k lengths in fine cells: symmetric but for the last one, which is whole.
+    """
+    nominal = _nominal_lengths(turn_steps, turn_type)
+    body = [(nominal[i] + nominal[turn_steps - 2 - i]) / 2 for i in range(turn_steps - 1)]
+    last = max(1, round(nominal[-1]))
+    free = [i for i, length in enumerate(body) if length > _SHORT_CELLS + 1e-9] or list(range(len(body)))
+    turn_rad = math.pi / 2 / turn_steps
+    cosines = [math.cos((i + 1) * turn_rad) for i in range(turn_steps - 1)]
+    forward = sum(length * cosine for length, cosine in zip(body, cosines, strict=True))
+    given = sum(body[i] * cosines[i] for i in range(len(body)) if i not in free)
+    scale = (max(1, round(forward)) - given) / (forward - given)
+    return (*(length * scale if i in free else length for i, length in enumerate(body)), float(last))
+
+
+def _nominal_lengths(turn_steps: int, turn_type: str) -> list[float]:
+    first_is_long = turn_type == "A"
+    lengths = [_LONG_CELLS if (i % 2 == 0) == first_is_long else _SHORT_CELLS for i in range(turn_steps)]
+    if turn_type == "B" and turn_steps % 2 == 0:
+        lengths[-1] = _LAST_TOWARD_B_CELLS
+    return lengths
+
+
+def drift_free(lengths_cells: tuple[float, ...], key: str) -> tuple[float, ...]:
+    """Return given lengths with their last rounding error removed, so that a turn ends exactly on a cell centre.
+
+    Raises:
+        InputError: if they end further than 1e-3 fine cells from a cell centre.
+    """
+    forward, sideways = quarter_turn_end(lengths_cells)
+    missing = (round(forward) - forward, round(sideways) - sideways)
+    if max(abs(missing[0]), abs(missing[1])) > END_TOLERANCE_CELLS:
+        raise InputError(
+            f"a turn of these lengths ends {forward:.4f} fine cells forward and {sideways:.4f} sideways; "
+            f"both must be whole numbers up to {END_TOLERANCE_CELLS}",
+            key=key,
+        )
+    return _least_change(lengths_cells, missing)
+
+
+def _least_change(lengths: tuple[float, ...], missing: tuple[float, float]) -> tuple[float, ...]:
+    """Spread a missing end displacement over the lengths with the least sum of squares."""
+    turn_rad = math.pi / 2 / len(lengths)
+    columns = [(math.cos(i * turn_rad), math.sin(i * turn_rad)) for i in range(1, len(lengths) + 1)]
+    a = sum(c * c for c, _ in columns)
+    b = sum(c * s for c, s in columns)
+    d = sum(s * s for _, s in columns)
+    determinant = a * d - b * b
+    forward = (d * missing[0] - b * missing[1]) / determinant
+    sideways = (a * missing[1] - b * missing[0]) / determinant
+    return tuple(length + c * forward + s * sideways for length, (c, s) in zip(lengths, columns, strict=True))
