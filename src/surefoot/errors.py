@@ -1,13 +1,13 @@
 """The exceptions of Surefoot; a negative answer is never one of them (see ``verdict``).
 
-    SurefootError
-    ├── InputError            what the user gave cannot be used (exit code 2)
-    ├── UnsafeStepError       no walking step satisfies the safety theorems
-    ├── BackendMissing        an optional package is not installed
-    ├── BackendFailed         a solver broke; the problem is attached
-    ├── LimitExceeded         a deadline or a memory limit was reached (exit code 3)
-    ├── CertificateRejected   a checker refused an artefact: always our bug
-    └── AssumptionViolated    the world broke an assumption at run time
+SurefootError
+├── InputError            what the user gave cannot be used (exit code 2)
+├── UnsafeStepError       no walking step satisfies the safety theorems
+├── BackendMissing        an optional package is not installed
+├── BackendFailed         a solver broke; the problem is attached
+├── LimitExceeded         a deadline or a memory limit was reached (exit code 3)
+├── CertificateRejected   a checker refused an artefact: always our bug
+└── AssumptionViolated    the world broke an assumption at run time
 """
 
 from __future__ import annotations

@@ -20,7 +20,9 @@ def make_arena(
     nodes = len(system)
 
     def masks(sets: list[set[int]]) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-        return np.array([[v in chosen for v in range(nodes)] for chosen in sets], dtype=np.bool_).reshape(len(sets), nodes)
+        return np.array([[v in chosen for v in range(nodes)] for chosen in sets], dtype=np.bool_).reshape(
+            len(sets), nodes
+        )
 
     return Arena(
         system=np.array(system, dtype=np.bool_),

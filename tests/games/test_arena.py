@@ -63,6 +63,7 @@ def test_what_does_not_fit_is_refused(name: str, wrong: object, sentence: str) -
         Arena(**{**FIELDS, name: wrong})
 
 
+@settings(deadline=None)
 @given(arena=arenas(), start=st.sets(st.integers(0, 7)))
 def test_reachable_is_the_least_closed_set(arena: Arena, start: set[int]) -> None:
     start = {v for v in start if v < arena.nodes}
@@ -78,6 +79,7 @@ def test_reachable_refuses_nodes_that_do_not_exist(start: int | list[int]) -> No
         reachable(Arena(**FIELDS), start)
 
 
+@settings(deadline=None)
 @given(arena=arenas(), data=st.data())
 def test_restrict_keeps_names_in_order(arena: Arena, data: st.DataObject) -> None:
     keep = np.array(data.draw(st.lists(st.booleans(), min_size=arena.nodes, max_size=arena.nodes)), dtype=np.bool_)
@@ -96,6 +98,7 @@ def test_the_winner_is_the_same_in_the_reachable_part(arena: Arena, data: st.Dat
     np.testing.assert_array_equal(solve(restrict(arena, seen)).winning, solve(arena).winning[seen])
 
 
+@settings(deadline=None)
 @given(arena=arenas())
 def test_swapping_exchanges_owners_and_promises(arena: Arena) -> None:
     swapped = swap_players(arena)

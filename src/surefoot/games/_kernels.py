@@ -117,7 +117,8 @@ def hold(
     """Add the most candidates from which the system can stay in them, or enter the set, with every move.
 
     Start with all of them and take away, again and again, those whose next move leads astray. A node of the system
-    watches one edge that keeps it in; only when that edge breaks does it look for another, further on.
+    watches one edge that keeps it in; only when that edge breaks does it look for another, further on. A node of the
+    environment has none to spare and watches the end of its edges.
 
     Args:
         graph: the edges.
@@ -152,12 +153,11 @@ def hold(
             if level[node] != layer:
                 continue
             edge, end = watch[node], graph.first[node + 1]
-            if graph.system[node]:
-                while edge < end and level[graph.successors[edge]] < 0:
-                    edge += 1
-                watch[node] = edge
-                if edge < end:
-                    continue
+            while edge < end and level[graph.successors[edge]] < 0:
+                edge += 1
+            watch[node] = edge
+            if edge < end:
+                continue
             leaving[height] = node
             height += 1
             level[node] = OPEN

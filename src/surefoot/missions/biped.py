@@ -296,7 +296,9 @@ class _Walk:
         self.fine, self.walking = moved.state, step.next_state()
         self.steps += 1
         self.time_s += step.duration_s
-        self.turns_completed += bool(step.heading_change_rad) and moved.state.heading % self.plan.rules.tables.turn_steps == 0
+        self.turns_completed += (
+            bool(step.heading_change_rad) and moved.state.heading % self.plan.rules.tables.turn_steps == 0
+        )
         self.corrections += step.lateral_cells != 0
         self.alternating += step.sign_alternates
         return moved.achieved
@@ -335,5 +337,3 @@ def step_record(step: WalkingStep) -> dict[str, Any]:
     content = {field.name: getattr(step, field.name) for field in fields(step)}
     content["stance"] = step.stance.name.lower()
     return {name: value for name, value in content.items() if value is not None and name != "lateral_cells"}
-
-

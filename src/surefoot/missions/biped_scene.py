@@ -223,7 +223,9 @@ def separating_cells(grid: CoarseGrid, start: Cell, goal: Cell) -> tuple[Cell, .
 def _obstacles(scenario: Scenario, grid: CoarseGrid, start: Cell) -> tuple[tuple[Cell, ...], frozenset[int]]:
     """Return where the obstacles start and which cells they never enter."""
     if len(scenario.obstacles) > 1:
-        raise InputError(f"{len(scenario.obstacles)} obstacles are given; at most one is allowed so far", key="obstacles")
+        raise InputError(
+            f"{len(scenario.obstacles)} obstacles are given; at most one is allowed so far", key="obstacles"
+        )
     cells, forbidden = [], frozenset[int]()
     for number, obstacle in enumerate(scenario.obstacles):
         key = f"obstacles[{number}].start_m"
@@ -245,15 +247,19 @@ def _regions(scenario: Scenario, grid: CoarseGrid) -> tuple[frozenset[int], ...]
         key = f"belief_regions[{number}].rectangles_m"
         cells = frozenset(grid.index(cell) for area in region.rectangles_m for cell in grid.centered_in(area))
         if not cells:
-            raise InputError("no cell has its centre in this region; rectangles are [x0, y0, x1, y1] in metres", key=key)
+            raise InputError(
+                "no cell has its centre in this region; rectangles are [x0, y0, x1, y1] in metres", key=key
+            )
         for other, earlier in enumerate(regions):
             if common := cells & earlier:
                 shared = tuple(grid.cell(min(common)))
-                raise InputError(f"overlaps belief_regions[{other}] in the cell {shared}; regions are disjoint", key=key)
+                raise InputError(
+                    f"overlaps belief_regions[{other}] in the cell {shared}; regions are disjoint", key=key
+                )
         regions.append(cells)
     return tuple(regions)
 
 
 def is_dead_end(grid: CoarseGrid, cell: Cell) -> bool:
-    """Return whether a cell has at most one free neighbour, so that the robot, which makes no U-turn, cannot leave it."""
+    """Return whether a cell has one free neighbour at most: the robot makes no U-turn and cannot leave it."""
     return len(adjacent_free(grid, cell)) <= 1

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -63,8 +62,10 @@ def legal_cells(domain: ObstacleDomain, truth: int, robot: int, order: Order) ->
 class Adversary:
     """Hunts the robot and blocks its way, within the rules.
 
-    It walks the shortest way to the cell that the robot wants to enter next and stays there. While the robot waits for a move, the
-    adversary counts; just in time to be gone within PATIENCE_TURNS it walks to a cell in the robot's view that does not
+    It walks the shortest way to the cell that the robot wants to enter next and stays there. While the robot waits
+    for a move, the
+    adversary counts; just in time to be gone within PATIENCE_TURNS it walks to a cell in the robot's view that
+    does not
     threaten the move, if it can reach one (docs/rules.md 4, assumption (c)).
 
     Args:
@@ -135,7 +136,8 @@ class Adversary:
 def scripted_policy(path: Path, grid: CoarseGrid) -> Policy:
     """Return a policy that reads where to be after each turn from a YAML file; after its end the obstacle stays.
 
-    The file holds ``{format: 1, kind: obstacle-script, positions_m: [[x, y], ...]}``. An obstacle that would walk into a standing
+    The file holds ``{format: 1, kind: obstacle-script, positions_m: [[x, y], ...]}``. An obstacle that would walk
+    into a standing
     robot stays where it is.
 
     Raises:
@@ -176,12 +178,12 @@ def _read_script(path: Path, grid: CoarseGrid) -> tuple[int, ...]:
     cells = []
     for number, position in enumerate(positions):
         key = f"positions_m[{number}]"
-        if not (isinstance(position, list) and len(position) == 2 and all(isinstance(v, int | float) for v in position)):
+        if not (
+            isinstance(position, list) and len(position) == 2 and all(isinstance(v, int | float) for v in position)
+        ):
             raise InputError("must be [x, y] in metres", source=path, key=key)
         cell = grid.cell_at((float(position[0]), float(position[1])))
         if cell is None or not grid.is_free(cell):
             raise InputError("lies in no free cell", source=path, key=key)
         cells.append(grid.index(cell))
     return tuple(cells)
-
-

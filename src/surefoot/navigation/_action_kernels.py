@@ -60,7 +60,7 @@ def height_at(tables: Tables, profile: int, row: int, column: int) -> float:
     """Return the height at a fine cell, relative to the border where its cell's axis enters."""
     if tables.axis[profile] < 0:
         return 0.0
-    return tables.height[profile, along_axis(tables, profile, row, column)]
+    return float(tables.height[profile, along_axis(tables, profile, row, column)])
 
 
 @njit(cache=True)
@@ -83,7 +83,16 @@ def border_height(tables: Tables, profile: int, direction: int, leaving: bool) -
 
 @njit(cache=True)
 def move(
-    tables: Tables, row: int, column: int, heading: int, stance: int, mode: int, context: int, action: int, e: int, l: int
+    tables: Tables,
+    row: int,
+    column: int,
+    heading: int,
+    stance: int,
+    mode: int,
+    context: int,
+    action: int,
+    sagittal: int,
+    lateral: int,
 ) -> Any:
     """Carry out an action with a labelled outcome.
 
@@ -97,7 +106,7 @@ def move(
     new_heading, new_mode, rows, columns = heading, WALKING, 0, 0
     if tables.length[action] > 0:
         ahead = heading // k
-        distance = tables.length[action] + e
+        distance = tables.length[action] + sagittal
         rows, columns = distance * ROWS[ahead], distance * COLUMNS[ahead]
         new_mode = STANDING if action == STOP else READY if action == PRE_STEP else WALKING
     else:
@@ -116,7 +125,7 @@ def move(
         if done == k - 1:
             new_mode = WALKING
             left = (new_heading // k + 3) % 4
-            rows, columns = rows + l * ROWS[left], columns + l * COLUMNS[left]
+            rows, columns = rows + lateral * ROWS[left], columns + lateral * COLUMNS[left]
     new_row, new_column = row + rows, column + columns
     lost = (LOST, row, column, heading, stance, mode, 0.0)
     crossed, crossings = -1, 0
@@ -147,7 +156,7 @@ def move(
         change = height_at(tables, profile, new_row, new_column) - height_at(tables, here, row, column)
         if crossings == 1:
             change += border_height(tables, here, order, True) - border_height(tables, there, order, False)
-        level = tables.length[action] == 0 or action == START or action == STOP
+        level = tables.length[action] == 0 or action in (START, STOP)
         if abs(change) > (0.0 if level else tables.height_max) + 1e-9:
             return lost
     status = ACHIEVED if crossings == 1 or (order == STOP_ORDER and new_mode == STANDING) else PENDING
@@ -186,11 +195,13 @@ def grown(array: NDArray[Any], needed: int) -> NDArray[Any]:
 def explore(tables: Tables, starts: NDArray[np.int64]) -> Any:
     """Explore the game graph from states.
 
-    A node is a state (the robot picks an action), an action in a state (the environment picks the outcome) or a boundary (an order
+    A node is a state (the robot picks an action), an action in a state (the environment picks the outcome) or a
+    boundary (an order
     was achieved: the environment picks the next context). Actions with a lost outcome are left out.
 
     Returns:
-        (kind, code, first, successors): for every node 0 state, 1 action, 2 boundary; its number (for an action: the action);
+        (kind, code, first, successors): for every node 0 state, 1 action, 2 boundary; its number (for an action:
+        the action);
         successor lists.
     """
     headings = 4 * tables.turn_steps
@@ -236,8 +247,8 @@ def explore(tables: Tables, starts: NDArray[np.int64]) -> Any:
                 sagittal, lateral = deviations(tables, row, column, heading, mode, context, action)
                 safe = True
                 for e in range(-sagittal, sagittal + 1):
-                    for l in range(-lateral, lateral + 1):
-                        safe &= move(tables, row, column, heading, stance, mode, context, action, e, l)[0] != LOST
+                    for side in range(-lateral, lateral + 1):
+                        safe &= move(tables, row, column, heading, stance, mode, context, action, e, side)[0] != LOST
                 if safe:
                     kind, code, owner = grown(kind, count + 1), grown(code, count + 1), grown(owner, count + 1)
                     successors = grown(successors, edges + 1)
@@ -251,9 +262,9 @@ def explore(tables: Tables, starts: NDArray[np.int64]) -> Any:
             sagittal, lateral = deviations(tables, row, column, heading, mode, context, action)
             outcomes = 0
             for e in range(-sagittal, sagittal + 1):
-                for l in range(-lateral, lateral + 1):
+                for side in range(-lateral, lateral + 1):
                     status, r, c, h, s, m, _ = move(
-                        tables, row, column, heading, stance, mode, context, action, e, l
+                        tables, row, column, heading, stance, mode, context, action, e, side
                     )
                     outer = context
                     if status == ACHIEVED:

@@ -41,10 +41,12 @@ class ActionGame:
     Attributes:
         rules: what it was built from.
         arena: the game graph.
-        kind: (nodes,) 0 state (the robot picks an action), 1 action (the environment picks the outcome), 2 boundary (an order was
+        kind: (nodes,) 0 state (the robot picks an action), 1 action (the environment picks the outcome), 2
+            boundary (an order was
             achieved, the environment picks the next one).
         code: (nodes,) number of the state or boundary; of an action node the action.
-        starts: (rows, columns) the state node of every fine cell in which the robot may stand at the start, -1 elsewhere.
+        starts: (rows, columns) the state node of every fine cell in which the robot may stand at the start, -1
+            elsewhere.
     """
 
     rules: ActionRules
@@ -59,13 +61,13 @@ class ActionGame:
         return int((self.kind == 0).sum())
 
 
-def build_action_game(rules: ActionRules, heading: Direction, first: Context) -> ActionGame:
+def build_action_game(rules: ActionRules, heading: Direction, first_context: Context) -> ActionGame:
     """Explore the action game from every fine cell in which the robot can stand at the start.
 
     Args:
         rules: contexts, steps and profiles.
         heading: the robot's heading at the start, standing in a flat cell with the left foot as stance foot.
-        first: context of the first order.
+        first_context: context of the first order.
 
     Source: Shamsah et al., T-RO 2023, VI-B, VI-C, VI-D; docs/rules.md 5.
     """
@@ -74,7 +76,7 @@ def build_action_game(rules: ActionRules, heading: Direction, first: Context) ->
     band = (across >= tables.band) & (across < tables.cells - tables.band)
     # The side band binds the index across the heading.
     may_stand = np.broadcast_to(band[None, :] if heading % 2 == 0 else band[:, None], (tables.cells, tables.cells))
-    outer = rules.contexts.index(first)
+    outer = rules.contexts.index(first_context)
     starts = np.full((tables.cells, tables.cells), -1, np.int32)
     places = np.argwhere(may_stand)
     codes = np.array(
@@ -127,13 +129,15 @@ def apply_action(tables: Tables, state: FineState, action: int, sagittal: int, l
     most_sagittal, most_lateral = kernels.deviations(tables, *state[:3], *state[4:], action)
     if abs(sagittal) > most_sagittal or abs(lateral) > most_lateral:
         raise ValueError(
-            f"outcome ({sagittal}, {lateral}) is not among those of action {action}: at most {most_sagittal} fine cells "
-            f"along the heading and {most_lateral} sideways"
+            f"outcome ({sagittal}, {lateral}) is not among those of action {action}: at most {most_sagittal} fine "
+            f"cells along the heading and {most_lateral} sideways"
         )
     status, row, column, heading, stance, mode, change = kernels.move(tables, *state, action, sagittal, lateral)
     if status == kernels.LOST:
         raise ValueError(f"action {action} with outcome ({sagittal}, {lateral}) is lost in {state}")
-    return Moved(FineState(row, column, heading, stance, mode, state.context), status == kernels.ACHIEVED, float(change))
+    return Moved(
+        FineState(row, column, heading, stance, mode, state.context), status == kernels.ACHIEVED, float(change)
+    )
 
 
 def standing_start(rules: ActionRules, row: int, column: int, heading: Direction, context: int) -> FineState:

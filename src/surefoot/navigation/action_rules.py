@@ -60,7 +60,8 @@ class Tables(NamedTuple):
         sagittal: largest sagittal deviation.
         lateral: largest lateral deviation.
         length: (actions,) fine cells of a straight action, 0 for the others.
-        turn: (2 types, 2 sides, 4 headings, turn_steps, 2) displacement (rows, columns) of every turn step; type A is 0, left is 0.
+        turn: (2 types, 2 sides, 4 headings, turn_steps, 2) displacement (rows, columns) of every turn step; type A
+            is 0, left is 0.
         here, order, there: (contexts,) the contexts.
         next_first, next_context: contexts that may follow, by 4 * profile + last direction.
         axis: (profiles,) direction in which the stairs rise, -1 for flat.
@@ -114,7 +115,7 @@ class ActionRules:
     @property
     def cells(self) -> int:
         """Return the number of fine cells per side of a coarse cell."""
-        return self.library.parameters.fine_cells
+        return int(self.library.parameters.fine_cells)
 
 
 def action_rules(coarse: CoarseMap, library: StepLibrary) -> ActionRules:
@@ -170,14 +171,14 @@ def _following(contexts: tuple[Context, ...], profile: int, last: Direction, *, 
     ]
 
 
-def _displacements(turn: TurnTemplate) -> list[list[list[list[list[int]]]]]:
+def _displacements(turn: TurnTemplate) -> list[list[list[list[int]]]]:
     """Return the displacements (rows, columns) of a turn's steps by side (left, right) and original heading."""
     return [
-        [
-            [_along(heading, side, forward, sideways) for forward, sideways in turn.booked]
-            for heading, side in ((heading, side(heading)) for heading in Direction)
-        ]
-        for side in (lambda heading: heading.left, lambda heading: heading.right)
+        [[_along(heading, side, *booked) for booked in turn.booked] for heading, side in sides]
+        for sides in (
+            [(heading, heading.left) for heading in Direction],
+            [(heading, heading.right) for heading in Direction],
+        )
     ]
 
 

@@ -19,7 +19,8 @@ def abstraction(kind: BeliefKind, domain: ObstacleDomain, regions: tuple[frozens
     """Return the belief abstraction of a kind.
 
     Args:
-        kind: "exact" keeps the hidden image itself; "regions" the union of the regions that it touches, "single" the whole domain,
+        kind: "exact" keeps the hidden image itself; "regions" the union of the regions that it touches, "single"
+            the whole domain,
             both without what is seen.
         domain: the obstacle domain.
         regions: disjoint sets of cells; the rest of the domain is one more region.
@@ -40,9 +41,7 @@ def abstraction(kind: BeliefKind, domain: ObstacleDomain, regions: tuple[frozens
     return by_regions
 
 
-def first_knowledge(
-    domain: ObstacleDomain, abstract: Abstraction, view: int, starts: tuple[int, ...]
-) -> ObstacleState:
+def first_knowledge(domain: ObstacleDomain, abstract: Abstraction, view: int, starts: tuple[int, ...]) -> ObstacleState:
     """Return what the robot knows at the start, where every obstacle's cell is told (rules.md 4, start)."""
     in_view = domain.seen_from[view]
     hidden = domain.mask(starts) & ~in_view
@@ -60,8 +59,10 @@ def observe(
 ) -> tuple[ObstacleState, ...]:
     """Return everything that the robot may know after the obstacles have moved.
 
-    The four classes of belief transition of the paper are the four cases of: visible or hidden before, visible or hidden after.
-    One observation can match several combinations of moves; their hidden images are united, so that a belief always contains the truth.
+    The four classes of belief transition of the paper are the four cases of: visible or hidden before, visible or
+        hidden after.
+    One observation can match several combinations of moves; their hidden images are united, so that a belief
+    always contains the truth.
 
     Args:
         domain: the obstacle domain.
@@ -69,7 +70,8 @@ def observe(
         state: knowledge before.
         count: number of obstacles.
         view: the cell from which the robot judges what it sees.
-        standing: the robot's cell when it stands there in this turn, which no obstacle enters (assumption (a)); else None.
+        standing: the robot's cell when it stands there in this turn, which no obstacle enters (assumption (a));
+            else None.
 
     Source: Shamsah et al., T-RO 2023, VI-E and VI-F.
     """

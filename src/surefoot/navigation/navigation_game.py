@@ -120,9 +120,7 @@ class NavigationGame:
 
 def allowed_orders(coarse: CoarseMap, cell: int, heading: Direction) -> tuple[Order, ...]:
     """Return the orders that rules.md 4 allows: no U-turn, and on stairs only straight on."""
-    open_moves = [
-        move for move in Direction if move is not heading.opposite and coarse.target[cell, move] >= 0
-    ]
+    open_moves = [move for move in Direction if move is not heading.opposite and coarse.target[cell, move] >= 0]
     if coarse.is_stairs(cell):
         return tuple(Order(move, False) for move in open_moves if move is heading)
     return tuple(Order(move, waits) for waits in (False, True) for move in open_moves)
@@ -169,7 +167,8 @@ class Rules:
 def build_navigation_game(problem: NavigationProblem, deadline: Deadline | None = None) -> NavigationGame:
     """Explore the game graph from the start.
 
-    Nodes are decisions of the robot (cell, heading, knowledge) and turns of the obstacles (cell, heading, order, knowledge).
+    Nodes are decisions of the robot (cell, heading, knowledge) and turns of the obstacles (cell, heading, order,
+    knowledge).
     A turn in which a collision is possible is a lost node without successors.
 
     Args:
@@ -196,7 +195,10 @@ def build_navigation_game(problem: NavigationProblem, deadline: Deadline | None 
     }
     nodes: dict[tuple[int, int, int, int], int] = {}
     queue: list[tuple[int, Direction, Order | None, ObstacleState]] = []
-    first, successors, lost, blocked = [0], [], [], []
+    first: list[int] = [0]
+    successors: list[int] = []
+    lost: list[bool] = []
+    blocked: list[int] = []
 
     def visit(cell: int, heading: Direction, order: Order | None, state: ObstacleState) -> int:
         key = (cell, heading, -1 if order is None else order.code, identify(state))
@@ -215,9 +217,7 @@ def build_navigation_game(problem: NavigationProblem, deadline: Deadline | None 
         elif not (bad := rules.is_lost(cell, order, state)):
             waits_in_vain = order.waits and rules.blocking(cell, order.direction, state)
             arrival, facing = rules.arrival(cell, heading, order)
-            successors += [
-                visit(arrival, facing, None, after) for after in rules.outcomes(cell, arrival, order, state)
-            ]
+            successors += [visit(arrival, facing, None, after) for after in rules.outcomes(cell, arrival, order, state)]
         first.append(len(successors))
         lost.append(bad)
         blocked.append(order.direction if waits_in_vain and order is not None else -1)
@@ -246,7 +246,8 @@ def build_navigation_game(problem: NavigationProblem, deadline: Deadline | None 
 def _justices(order: NDArray[np.int8], blocked: NDArray[np.int8]) -> NDArray[np.bool_]:
     """Return assumption (c), a row for every direction that is ever blocked: turns in which that wait is not in vain.
 
-    Decisions satisfy none, so that only turns count; a direction that is never blocked would be a justice that always holds.
+    Decisions satisfy none, so that only turns count; a direction that is never blocked would be a justice that
+    always holds.
     """
     rows = [(order >= 0) & (blocked != direction) for direction in Direction if (blocked == direction).any()]
     return np.array(rows, np.bool_).reshape(-1, len(order))

@@ -52,13 +52,18 @@ def solve_navigation(
     forced = environment_cannot_keep_assumptions(game.arena, np.arange(game.arena.system.size))
     if len(forced):
         cell = game.problem.coarse.grid.cell(int(game.cell[forced[0]]))
-        reason = f"obstacles cannot keep assumption (c) from {len(forced)} nodes, for instance with the robot in {tuple(cell)}"
+        reason = (
+            f"obstacles cannot keep assumption (c) from {len(forced)} nodes, "
+            f"for instance with the robot in {tuple(cell)}"
+        )
         return Verdict.false(Unrealizable(reason)), None
     strategy = extract_navigation_strategy(game, solution)
     stuck = deadlocks(game, strategy)
     if stuck:
         names = ", ".join(map(str, stuck[:3]))
-        return Verdict.false(Unrealizable(f"with the true obstacle in play some goal can no longer be reached from {names}")), None
+        return Verdict.false(
+            Unrealizable(f"with the true obstacle in play some goal can no longer be reached from {names}")
+        ), None
     return Verdict.true(), strategy
 
 
@@ -70,7 +75,11 @@ def _explain(game: NavigationGame, solution: Solution) -> Unrealizable:
     winning_cells = set(game.cell[decisions & solution.winning].tolist())
     losing = tuple(sorted(set(game.cell[decisions].tolist()) - winning_cells))
     named = [f"goal {number} in cell {tuple(grid.cell(game.problem.goals[number]))}" for number in failing]
-    which = f"{' and '.join(named)} cannot be reached again and again" if named else "the goals cannot all be reached in turn"
+    which = (
+        f"{' and '.join(named)} cannot be reached again and again"
+        if named
+        else "the goals cannot all be reached in turn"
+    )
     cells = ", ".join(str(tuple(grid.cell(cell))) for cell in losing) or "no cell whatever the robot knows"
     return Unrealizable(f"{which}; the robot loses from {cells}", tuple(failing), losing)
 
@@ -197,7 +206,8 @@ def solve_action(
 
     Args:
         game: the game.
-        row: requested place in fine rows from the north border of its coarse cell; a fine cell's centre is at its index + 0.5.
+        row: requested place in fine rows from the north border of its coarse cell; a fine cell's centre is at its
+            index + 0.5.
         column: the same from the west border.
         deadline: when to give up.
 
@@ -208,8 +218,8 @@ def solve_action(
     places = np.argwhere((game.starts >= 0) & solution.winning[game.starts])
     if not len(places):
         reason = (
-            "the action game cannot carry out every order that the map can give with this cell size, step library, side band "
-            "and these deviations; allow fewer deviations, a narrower side band or larger cells"
+            "the action game cannot carry out every order that the map can give with this cell size, step library, "
+            "side band and these deviations; allow fewer deviations, a narrower side band or larger cells"
         )
         return Verdict.false(Unrealizable(reason)), None, None
     distances = np.hypot(places[:, 0] + 0.5 - row, places[:, 1] + 0.5 - column)

@@ -57,29 +57,31 @@ class GridFrame:
         """Return whether a world point lies in the closed square of a cell."""
         x, y = self.to_grid(np.array(point_m))
         west, south, east, north = self.square(*cell)
-        return bool(
-            west - TOLERANCE_M <= x <= east + TOLERANCE_M and south - TOLERANCE_M <= y <= north + TOLERANCE_M
-        )
+        return bool(west - TOLERANCE_M <= x <= east + TOLERANCE_M and south - TOLERANCE_M <= y <= north + TOLERANCE_M)
 
     def wholly_inside(self, corners_m: Rectangle) -> NDArray[np.bool_]:
         """Return which cells lie in a rectangle up to one per cent of their size."""
         west, south, east, north = self.rectangle(corners_m)
         x, y = self._centers()
         reach = self.cell_size_m * (0.5 - SLACK_CELLS)
-        return ((x - reach >= west) & (x + reach <= east))[None, :] & ((y - reach >= south) & (y + reach <= north))[:, None]
+        return ((x - reach >= west) & (x + reach <= east))[None, :] & ((y - reach >= south) & (y + reach <= north))[
+            :, None
+        ]
 
     def centered_in(self, corners_m: Rectangle) -> NDArray[np.bool_]:
         """Return which cells have their centre in a rectangle."""
         west, south, east, north = self.rectangle(corners_m)
         x, y = self._centers()
         slack = TOLERANCE_M
-        return ((x >= west - slack) & (x <= east + slack))[None, :] & ((y >= south - slack) & (y <= north + slack))[:, None]
+        return ((x >= west - slack) & (x <= east + slack))[None, :] & ((y >= south - slack) & (y <= north + slack))[
+            :, None
+        ]
 
     def _centers(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return x of the columns' and y of the rows' centres."""
         x = self.north_west_m[0] + (np.arange(self.columns) + 0.5) * self.cell_size_m
         y = self.north_west_m[1] - (np.arange(self.rows) + 0.5) * self.cell_size_m
-        return x, y
+        return x.astype(np.float64), y.astype(np.float64)
 
 
 def lay_grid(
@@ -112,13 +114,13 @@ def lay_grid(
     on_map = whole[columns[0] : columns[-1] + 1, rows[0] : rows[-1] + 1].T[::-1]
     corner_m = ((low[0] + columns[0]) * cell_size_m, (low[1] + rows[-1] + 1) * cell_size_m)
     north_west_m = (float(corner_m[0]), float(corner_m[1]))
-    return GridFrame(cell_size_m, origin_m, rotation_rad, *on_map.shape, north_west_m), on_map
+    return GridFrame(cell_size_m, origin_m, rotation_rad, len(on_map), on_map.shape[1], north_west_m), on_map
 
 
 def free_cells(
     floor: OccupancyMap, frame: GridFrame, on_map: NDArray[np.bool_], unknown_blocked: bool, inflation_m: float
 ) -> NDArray[np.bool_]:
-    """Return (rows, columns) which cells are free: wholly on the map, and no point of them in inflated occupied space."""
+    """Return (rows, columns) which cells are free: wholly on the map, no point in inflated occupied space."""
     solid = floor.occupied | floor.unknown if unknown_blocked else floor.occupied
     free = on_map.copy()
     for row, column in np.argwhere(on_map):
@@ -168,13 +170,14 @@ def _solid_near(
 
 
 def _gaps(near: NDArray[np.float64], angle: float, side: float, pixel: float) -> NDArray[np.float64]:
-    """Return the distances of a square at the origin, turned by an angle, and disjoint pixels: corner to square, both ways."""
+    """Return the distances of a turned square at the origin and disjoint pixels: corner to square, both ways."""
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], float)
     pixel_corners = _turned(near[:, None, :] + signs * pixel, -angle)
     cell_corners = _turned(signs * side, angle)[None, :, :] - near[:, None, :]
     one = np.hypot(*np.moveaxis(np.maximum(np.abs(pixel_corners) - side, 0), -1, 0))
     other = np.hypot(*np.moveaxis(np.maximum(np.abs(cell_corners) - pixel, 0), -1, 0))
-    return np.minimum(one.min(axis=1), other.min(axis=1))
+    gaps: NDArray[np.float64] = np.minimum(one.min(axis=1), other.min(axis=1))
+    return gaps
 
 
 def _in_picture(floor: OccupancyMap, frame: GridFrame, points_m: NDArray[np.float64]) -> NDArray[np.float64]:

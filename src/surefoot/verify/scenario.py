@@ -14,9 +14,8 @@ from surefoot.verify.values import Fields, Rectangle
 
 LARGEST_BYTES = 4_000_000
 HEADINGS = tuple(direction.name.lower() for direction in Direction)
-_TOP = (
-    "format kind map map_resolution_m grid robot start goals obstacles sensor belief_regions heights navigation walking"
-).split()
+_REQUIRED = ("format", "kind", "map", "grid", "start", "goals", "sensor")
+_TOP = (*_REQUIRED, "map_resolution_m", "robot", "obstacles", "belief_regions", "heights", "navigation", "walking")
 _WHOLE = {"pre_step_cells": 4, "stop_cells": 2, "side_band_cells": 6}
 _OUTCOMES = {"sagittal_outcomes_cells": 1, "lateral_outcomes_cells": 2}
 _NUMBERS = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +68,7 @@ class Flight:
 
     def riser_positions(self) -> NDArray[np.float64]:
         """Return where the risers stand, from the lower edge."""
-        return self.part.first_riser_m + np.arange(self.part.risers) * self.part.tread_m
+        return (self.part.first_riser_m + np.arange(self.part.risers) * self.part.tread_m).astype(np.float64)
 
     def height_m(self, x: float, y: float) -> float:
         """Return the height at a point of the rectangle."""
@@ -102,11 +103,12 @@ class Terrain:
     def riser_gap_m(self, point_m: tuple[float, float]) -> float:
         """Return how far a world point is from the nearest riser, along the stairs; infinite beside them."""
         x, y = (float(value) for value in self.frame.to_grid(np.array(point_m)))
-        gaps = [math.inf]
-        for flight in self.flights:
-            if _across(flight, x, y):
-                gaps.append(float(np.abs(flight.riser_positions() - flight.along(x, y)).min()))
-        return min(gaps)
+        gaps = [
+            float(np.abs(flight.riser_positions() - flight.along(x, y)).min())
+            for flight in self.flights
+            if _across(flight, x, y)
+        ]
+        return min(gaps, default=math.inf)
 
     def passable(self, cell: tuple[int, int], move: Direction) -> bool:
         """Return whether the robot may go from a free cell to its neighbour."""
@@ -156,9 +158,7 @@ def lay_terrain(
     return terrain
 
 
-def _profile(
-    terrain: Terrain, cell: tuple[int, int], flight: Flight, fine_cells: int
-) -> tuple[CellProfile, float]:
+def _profile(terrain: Terrain, cell: tuple[int, int], flight: Flight, fine_cells: int) -> tuple[CellProfile, float]:
     """Return the profile of a stairs cell and the height where its axis enters."""
     west, south, east, north = terrain.frame.square(*cell)
     size_m, up = terrain.frame.cell_size_m, flight.part.up
@@ -199,7 +199,12 @@ def _flat_height(terrain: Terrain, cell: tuple[int, int]) -> float:
         if cut is not None and abs(height_m - found) > TOLERANCE_M:
             raise InputError(f"the floor of cell {cell} has two heights", key="heights.floors")
         covers = cut is not None and max(abs(a - b) for a, b in zip(cut, inner, strict=True)) < 1e-12
-        if cut is not None and not covers and abs(height_m) > TOLERANCE_M and not _tiled(terrain.floors, inner, height_m):
+        if (
+            cut is not None
+            and not covers
+            and abs(height_m) > TOLERANCE_M
+            and not _tiled(terrain.floors, inner, height_m)
+        ):
             raise InputError(f"the floor of cell {cell} has two heights", key="heights.floors")
     return found
 
@@ -211,8 +216,8 @@ def _tiled(floors: tuple[tuple[Rectangle, float], ...], inner: Rectangle, height
     ys = sorted({value for cut in [*cuts, inner] for value in (cut[1], cut[3])})
     return all(
         any(cut[0] <= (x0 + x1) / 2 <= cut[2] and cut[1] <= (y0 + y1) / 2 <= cut[3] for cut in cuts)
-        for x0, x1 in zip(xs, xs[1:], strict=False)
-        for y0, y1 in zip(ys, ys[1:], strict=False)
+        for x0, x1 in pairwise(xs)
+        for y0, y1 in pairwise(ys)
         if x1 - x0 > TOLERANCE_M and y1 - y0 > TOLERANCE_M
     )
 

@@ -64,7 +64,9 @@ class Fields:
             return default
         value = _number(self.get(name))
         if value is None or value < least:
-            raise self.wrong(name, "has to be a finite number" + ("" if least == -math.inf else f", at least {least:g}"))
+            raise self.wrong(
+                name, "has to be a finite number" + ("" if least == -math.inf else f", at least {least:g}")
+            )
         return value
 
     def whole(self, name: str, default: int | None = None, *, least: int = -(2**31), most: int = 2**31) -> int:
@@ -101,7 +103,9 @@ class Fields:
             raise self.wrong(name, "has to be a list")
         return value
 
-    def numbers(self, name: str, count: int | None = None, default: tuple[float, ...] | None = None) -> tuple[float, ...]:
+    def numbers(
+        self, name: str, count: int | None = None, default: tuple[float, ...] | None = None
+    ) -> tuple[float, ...]:
         """Return a list of finite numbers, if need be of a given length."""
         if default is not None and name not in self.values:
             return default

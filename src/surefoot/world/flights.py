@@ -14,7 +14,7 @@ from surefoot.world.floors import FloorPlan, cells_meeting, checked_bounds
 from surefoot.world.grid import INSIDE_SHARE, CoarseGrid, Rectangle
 
 CLEARANCE_M = 0.10
-"""How far from every riser a foot has to stand, and every riser from a cell border."""
+"""How far from every riser a foot has to stand, and every riser from a cell outside its flight."""
 
 _ROUNDING_M = 1e-9
 _SAME_M = 1e-6
@@ -54,7 +54,7 @@ class Flight:
         risers_m: positions of the risers along the axis, ascending.
         riser_m: height of each of them.
         foot_m: height of the floor just before the lower edge.
-        least_clearance_m: how far feet and cell borders have to be from every riser.
+        least_clearance_m: how far feet and the cells outside the flight have to be from every riser.
     """
 
     key: str
@@ -74,9 +74,13 @@ class Flight:
         """Return the position along the axis of the border where the axis enters a cell."""
         return _entry(self.up, cell) * self.cell_size_m
 
-    def risers_below(self, positions_m: ArrayLike) -> NDArray[np.intp]:
+    def risers_to(self, positions_m: ArrayLike) -> NDArray[np.intp]:
         """Return how many risers stand at or before positions along the axis."""
         return np.asarray(np.searchsorted(self.risers_m, positions_m, side="right"))
+
+    def risers_before(self, border_m: float) -> int:
+        """Return how many risers stand before a border; one that stands on it belongs to the upper cell."""
+        return int(np.searchsorted(self.risers_m, border_m - _SAME_M))
 
     def clearance_m(self, positions_m: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return how far positions along the axis are from the nearest riser."""
@@ -91,7 +95,8 @@ def flight_of(grid: CoarseGrid, plan: FloorPlan, stairs: Stairs, key: str) -> Fl
     """
     _check(stairs, key)
     bounds = checked_bounds(grid, stairs.rectangle_m, key)
-    cells = tuple(cell for cell in cells_meeting(grid, bounds) if grid.is_free(cell))
+    covered = cells_meeting(grid, bounds)
+    cells = tuple(cell for cell in covered if grid.is_free(cell))
     if not cells:
         raise InputError("the rectangle meets no free cell of the grid", key=key)
     low, high = _along(stairs.up, bounds)
@@ -105,7 +110,7 @@ def flight_of(grid: CoarseGrid, plan: FloorPlan, stairs: Stairs, key: str) -> Fl
         )
     foot_m = _foot_m(plan, stairs.up, bounds, cells, key)
     flight = Flight(key, stairs.up, cells, size_m, risers_m, stairs.riser_m, foot_m)
-    _check_borders(flight)
+    _check_ends(flight, [_entry(stairs.up, cell) for cell in covered])
     for cell in cells:
         _check_cell(plan, flight, cell, bounds)
     return flight
@@ -121,15 +126,16 @@ def _check(stairs: Stairs, key: str) -> None:
         raise InputError("first_riser_m has to be finite and not negative", key=key)
 
 
-def _check_borders(flight: Flight) -> None:
-    """Refuse a riser that stands too near to a border between cells."""
-    size_m = flight.cell_size_m
-    away_m = np.abs(flight.risers_m - np.round(flight.risers_m / size_m) * size_m)
-    for number in np.flatnonzero(away_m < flight.least_clearance_m):
-        raise flight.wrong(
-            f"riser {number} stands {away_m[number]:.3f} m from a border between cells, at least {CLEARANCE_M:g} m are "
-            "needed; change first_riser_m or tread_m"
-        )
+def _check_ends(flight: Flight, entries: list[int]) -> None:
+    """Refuse a riser that stands too near to the border with a cell before or beyond the flight."""
+    for border in (min(entries), max(entries) + 1):
+        away_m = np.abs(flight.risers_m - border * flight.cell_size_m)
+        number = int(np.argmin(away_m))
+        if away_m[number] < flight.least_clearance_m:
+            raise flight.wrong(
+                f"riser {number} stands {away_m[number]:.3f} m from the border with a cell outside the flight, "
+                f"at least {CLEARANCE_M:g} m are needed; change first_riser_m or tread_m"
+            )
 
 
 def _check_cell(plan: FloorPlan, flight: Flight, cell: Cell, bounds: Rectangle) -> None:

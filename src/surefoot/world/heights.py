@@ -110,8 +110,8 @@ def make_heights(
 
     Raises:
         InputError: a value is out of range, a flat cell has two heights, a flight does not span a cell across, has a
-            riser nearer than 0.10 m to a cell border, does not end at the height of the floor beyond it, or meets no
-            free cell or one of another flight. The key is ``heights.floors[i]`` or ``heights.stairs[i]``.
+            riser nearer than 0.10 m to a cell outside it, does not end at the height of the floor beyond it, meets no
+            free cell, or meets one of another flight. The key is ``heights.floors[i]`` or ``heights.stairs[i]``.
 
     Source: docs/rules.md, section 2.
     """
@@ -146,9 +146,9 @@ def _profile(grid: CoarseGrid, flight: Flight, cell: Cell, fine_cells: int) -> t
     begin_m = flight.entry_m(cell)
     size_m = grid.cell_size_m
     centers_m = begin_m + (np.arange(fine_cells, dtype=np.float64) + 0.5) * (size_m / fine_cells)
-    below = flight.risers_below(begin_m)
-    heights_m = (flight.risers_below(centers_m) - below) * flight.riser_m
-    gain_m = float(flight.risers_below(begin_m + size_m) - below) * flight.riser_m
+    below = flight.risers_before(begin_m)
+    heights_m = (flight.risers_to(centers_m) - below) * flight.riser_m
+    gain_m = (flight.risers_before(begin_m + size_m) - below) * flight.riser_m
     admissible = flight.clearance_m(centers_m) >= flight.least_clearance_m
     profile = Profile(flight.up, tuple(heights_m.tolist()), gain_m, tuple(admissible.tolist()))
-    return flight.foot_m + float(below) * flight.riser_m, profile
+    return flight.foot_m + below * flight.riser_m, profile

@@ -65,9 +65,8 @@ def opened(path: Path) -> Iterator[Image]:
             try:
                 plain = _plain(picture)
             except Exception as problem:
-                raise InputError(
-                    f"the picture is damaged or cut short and cannot be decoded ({problem})", source=path
-                ) from problem
+                reason = str(problem).partition("\n")[0]
+                raise InputError(f"the picture is damaged or cut short ({reason})", source=path) from problem
             yield plain
 
 
@@ -82,11 +81,11 @@ def strips(picture: Image) -> Iterator[Strip]:
 
 def _strip(rows: slice, values: NDArray[np.generic]) -> Strip:
     """Return the mean of the colour channels and the alpha of some rows, scaled to 0..255."""
-    scale = 1.0 if values.dtype == np.uint8 else 255.0 / 65535.0
+    levels = 1 if values.dtype == np.uint8 else 65535 // 255
     channels = values.shape[2]
     colours = channels - 1 if channels in (2, 4) else channels
-    colour = np.sum(values[..., :colours], axis=2, dtype=np.float64) * (scale / colours)
-    opacity = values[..., -1].astype(np.float64) * scale if channels in (2, 4) else None
+    colour = np.sum(values[..., :colours], axis=2, dtype=np.float64) / (colours * levels)
+    opacity = values[..., -1].astype(np.float64) / levels if channels in (2, 4) else None
     return Strip(rows, colour, opacity)
 
 

@@ -1,0 +1,200 @@
+"""Checks that the two strategies fit together (rules.md 5, composition), on the product of both."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from surefoot.frames import Direction
+from surefoot.verify.action import ActionTable, describe, start_core
+from surefoot.verify.action_moves import FINE, NOWHERE, OFFSETS, Rules, allowed, landed, moved, outcome_limits
+from surefoot.verify.claims import ORDERS, Claims
+from surefoot.verify.findings import Ledger
+from surefoot.verify.navigation import WAIT, Play
+from surefoot.verify.scene import STOP, Scene
+
+MOST_STATES = 30_000_000
+Array = NDArray[Any]
+Stage = tuple[int, int, int]
+
+
+def check_composition(scene: Scene, claims: Claims, play: Play, table: ActionTable, ledger: Ledger) -> None:
+    """Walk the product of navigation and action strategy.
+
+    Navigation decisions that give the same order in the same cell with the same heading are taken together, which only
+    adds plays. Every fine step of every order is walked in coordinates of the whole grid, so that a finished order is
+    seen to have moved the robot by exactly one cell (or none, for stop), and every pair of consecutive orders is looked
+    up among the contexts.
+    """
+    stages, first, successors = _stages(play)
+    contexts = np.array([_context(scene, claims, stage) for stage in stages], np.int64)
+    for stage, context in zip(stages, contexts, strict=True):
+        if context < 0:
+            text = (
+                f"order {ORDERS[_fine_order(stage[2])]} in cell {scene.cell(stage[0])} is no context of the action game"
+            )
+            ledger.refuse("rules.md 5, composition (1)", text)
+    _check_pairs(scene, stages, first, successors, ledger)
+    ledger.counts["order_pairs"] = len(successors)
+    if (contexts < 0).any():
+        return
+    blocks = np.searchsorted(table.contexts, np.arange(len(claims.contexts) + 1))
+    cells = np.array([scene.cell(stage[0]) for stage in stages], np.int64)
+    start = table.row(start_core(claims), int(contexts[0]))
+    if start < 0:
+        ledger.refuse("rules.md 5, composition", "the first order has no row in the action strategy")
+        return
+    size = int((blocks[contexts + 1] - blocks[contexts]).sum())
+    ledger.counts["product_is_whole"] = size <= MOST_STATES
+    visited, failed, at_stage, row = _walk(
+        table.rules, table.keys, table.cores, table.contexts, table.actions, blocks, contexts, cells, first, successors,
+        start, min(size, MOST_STATES),
+    )  # fmt: skip
+    ledger.counts["product_states"] = int(visited)
+    if failed:
+        row_, column, heading, stance, mode = (int(value) for value in table.cores[row])
+        where = describe(claims, (row_, column, heading, stance, mode), int(table.contexts[row]))
+        text = {
+            1: "an order ends in another cell than the navigation strategy expects",
+            2: "a state of the product has no row in the action strategy",
+            3: "a move of the product is lost",
+        }[int(failed)]
+        ledger.refuse("rules.md 5, composition (2)", text, f"cell {scene.cell(stages[int(at_stage)][0])}, {where}")
+
+
+def _stages(play: Play) -> tuple[list[Stage], Array, Array]:
+    """Return the distinct (cell, heading, order) of a play, the start first, and which follow which."""
+    number: dict[Stage, int] = {}
+    of_node = []
+    for decision, order in zip(play.decisions, play.orders, strict=True):
+        stage = (decision.cell, decision.heading, int(order))
+        of_node.append(number.setdefault(stage, len(number)))
+    after: list[set[int]] = [set() for _ in number]
+    for node, stage_number in enumerate(of_node):
+        for edge in range(play.first[node], play.first[node + 1]):
+            after[stage_number].add(of_node[play.successors[edge]])
+    first = np.cumsum([0, *(len(targets) for targets in after)])
+    flat = [target for targets in after for target in sorted(targets)]
+    return list(number), first.astype(np.int64), np.array(flat, np.int64)
+
+
+def _fine_order(order: int) -> int:
+    """Return the order of the action game that carries out an order of the navigation game."""
+    return STOP if order >= WAIT else order
+
+
+def _context(scene: Scene, claims: Claims, stage: Stage) -> int:
+    """Return the context of a stage, -1 where the action game admits none."""
+    cell, order = scene.cell(stage[0]), _fine_order(stage[2])
+    there = cell if order == STOP else scene.target(cell, Direction(order))
+    context = (claims.kinds[cell], order, claims.kinds.get(there, -1))
+    return claims.contexts.index(context) if context in claims.contexts else -1
+
+
+def _check_pairs(scene: Scene, stages: list[Stage], first: Array, successors: Array, ledger: Ledger) -> None:
+    """Refuse an order that goes back where the last one came from."""
+    for number, (cell, heading, order) in enumerate(stages):
+        last = heading if order >= WAIT else order
+        for edge in range(first[number], first[number + 1]):
+            after = stages[successors[edge]]
+            if after[1] != last or (after[2] < WAIT and after[2] == (last + 2) % 4):
+                text = f"after going {ORDERS[last]} in cell {scene.cell(cell)} comes order {after[2]}"
+                ledger.refuse("rules.md 5, composition (1)", text)
+
+
+@njit(cache=True)
+def _walk(
+    rules: Rules,
+    keys: Array,
+    cores: Array,
+    row_contexts: Array,
+    actions: Array,
+    blocks: Array,
+    contexts: Array,
+    cells: Array,
+    first: Array,
+    successors: Array,
+    start: int,
+    most: int,
+) -> tuple[int, int, int, int]:
+    """Return how many product states were walked, what failed or 0, and where: stage and row."""
+    bases = np.zeros(len(contexts) + 1, np.int64)
+    for stage in range(len(contexts)):
+        bases[stage + 1] = bases[stage] + blocks[contexts[stage] + 1] - blocks[contexts[stage]]
+    seen = np.zeros(bases[-1], np.bool_)
+    stages, rows = np.empty(most + 1, np.int32), np.empty(most + 1, np.int32)
+    stages[0], rows[0], count, done = 0, start, 1, 0
+    seen[bases[0] + start - blocks[contexts[0]]] = True
+    while done < count:
+        stage, row = stages[done], rows[done]
+        done += 1
+        core = (cores[row, 0], cores[row, 1], cores[row, 2], cores[row, 3], cores[row, 4])
+        context, action = row_contexts[row], actions[row]
+        if not allowed(rules, core[2], core[3], core[4], rules.order[context], action):
+            return done, 3, stage, row
+        far, wide = outcome_limits(rules, core, rules.here[context], action)
+        for choice in range(-far, far + 1):
+            for aside in range(-wide, wide + 1):
+                after = moved(rules, core, rules.order[context], action, choice, aside)
+                status, achieved, _ = landed(rules, core, context, action, after)
+                if status != FINE:
+                    return done, 3, stage, row
+                cell = cells[stage] + np.array([after[0] // rules.sizes[0], after[1] // rules.sizes[0]])
+                if not achieved:
+                    failed, count = _enter(
+                        rules, keys, blocks, contexts, bases, seen, stages, rows, count, most, stage, after
+                    )  # fmt: skip
+                    if failed or (cell != cells[stage]).any():
+                        return done, 2 if failed else 1, stage, row
+                    continue
+                for edge in range(first[stage], first[stage + 1]):
+                    following = successors[edge]
+                    expected = _expected(rules, cells[stage], context)
+                    if (cell != cells[following]).any() or (cell != expected).any():
+                        return done, 1, stage, row
+                    failed, count = _enter(
+                        rules, keys, blocks, contexts, bases, seen, stages, rows, count, most, following, after
+                    )  # fmt: skip
+                    if failed:
+                        return done, 2, stage, row
+    return done, 0, 0, 0
+
+
+@njit(cache=True)
+def _expected(rules: Rules, cell: Array, context: int) -> Array:
+    """Return the cell in which an order has to end."""
+    order = rules.order[context]
+    return cell if order == NOWHERE else cell + OFFSETS[order]
+
+
+@njit(cache=True)
+def _enter(
+    rules: Rules,
+    keys: Array,
+    blocks: Array,
+    contexts: Array,
+    bases: Array,
+    seen: Array,
+    stages: Array,
+    rows: Array,
+    count: int,
+    most: int,
+    stage: int,
+    core: tuple[int, int, int, int, int],
+) -> tuple[bool, int]:
+    """Note a product state; return whether it lacks a row, and how many are noted."""
+    n, steps, context = rules.sizes[0], rules.sizes[2], contexts[stage]
+    key = (context * n + core[0] % n) * n + core[1] % n
+    key = ((key * 4 * steps + core[2]) * 2 + core[3]) * 7 + core[4]
+    row = np.searchsorted(keys, key)
+    if row == len(keys) or keys[row] != key:
+        return True, count
+    place = bases[stage] + row - blocks[context]
+    if not seen[place] and count <= most:
+        seen[place] = True
+        stages[count], rows[count] = stage, row
+        count += 1
+    return False, count

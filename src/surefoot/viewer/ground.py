@@ -1,0 +1,114 @@
+"""The map under a picture: pixels, coarse cells, coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import ListedColormap
+from matplotlib.transforms import Affine2D
+from numpy.typing import NDArray
+
+from surefoot.frames import Cell
+from surefoot.viewer.style import BLOCKED, UNKNOWN, WALL
+from surefoot.world import CoarseGrid, OccupancyMap
+
+_PIXEL_COLOURS = ListedColormap(["#ffffff00", UNKNOWN, WALL])
+_MARGIN = 0.6
+
+
+def points_m(grid: CoarseGrid, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return world points, given in cells east and south of the grid's north-western corner."""
+    west, north = grid.north_west_m
+    in_grid = np.stack((west + places[..., 0] * grid.cell_size_m, north - places[..., 1] * grid.cell_size_m), axis=-1)
+    return grid.to_world(in_grid)
+
+
+def fill_cells(axes: Axes, grid: CoarseGrid, cells: Iterable[Cell], **looks: Any) -> None:
+    """Colour cells."""
+    corners = ((0, 0), (1, 0), (1, 1), (0, 1))
+    squares = np.array([[(cell.column + x, cell.row + y) for x, y in corners] for cell in cells], np.float64)
+    if squares.size:
+        axes.add_collection(PolyCollection(list(points_m(grid, squares)), **looks))
+
+
+def draw_pixels(axes: Axes, occupancy: OccupancyMap) -> None:
+    """Draw what is occupied and what is unknown; what is free stays transparent."""
+    classes = np.where(occupancy.occupied, 2, np.where(occupancy.unknown, 1, 0))
+    rows, columns = classes.shape
+    placed = Affine2D().rotate(occupancy.yaw_rad).translate(*occupancy.origin_m)
+    axes.imshow(
+        classes,
+        extent=(0.0, columns * occupancy.resolution_m, 0.0, rows * occupancy.resolution_m),
+        cmap=_PIXEL_COLOURS,
+        vmin=0,
+        vmax=2,
+        interpolation="nearest",
+        transform=placed + axes.transData,
+        zorder=1,
+    )
+
+
+def draw_blocked(axes: Axes, grid: CoarseGrid) -> None:
+    """Shade the cells that the robot never enters."""
+    blocked = [Cell(int(row), int(column)) for row, column in np.argwhere(~grid.free)]
+    fill_cells(axes, grid, blocked, facecolor=BLOCKED, edgecolor="#a8a8a8", hatch="////", linewidth=0, zorder=0.5)
+
+
+def draw_lines(axes: Axes, grid: CoarseGrid) -> None:
+    """Draw the borders of the cells."""
+    across = [[(0, row), (grid.columns, row)] for row in range(grid.rows + 1)]
+    down = [[(column, 0), (column, grid.rows)] for column in range(grid.columns + 1)]
+    lines = points_m(grid, np.array(across + down, np.float64))
+    axes.add_collection(LineCollection(list(lines), colors="#8a8a8a", linewidths=0.5, zorder=2))
+
+
+def number_cells(axes: Axes, grid: CoarseGrid) -> None:
+    """Write rows and columns along the northern and western borders of what is shown."""
+    west, north, east, south = _window(grid)
+    step = max(1, round(max(grid.rows, grid.columns) / 24))
+    looks = {"ha": "center", "va": "center", "fontsize": 7, "color": "#444444", "zorder": 6, "clip_on": True}
+    for row in range(north, south, step):
+        axes.text(*points_m(grid, np.array([west - 0.3, row + 0.5])), f"r{row}", **looks)
+    for column in range(west, east, step):
+        axes.text(*points_m(grid, np.array([column + 0.5, north - 0.3])), f"c{column}", **looks)
+
+
+def frame(axes: Axes, grid: CoarseGrid, *, margin: float = _MARGIN, labels: bool = True) -> None:
+    """Show the free cells and those next to them, with a margin (in cells), in metres of the map."""
+    points = points_m(grid, _box(grid, margin))
+    axes.set_aspect("equal")
+    axes.set_xlim(points[:, 0].min(), points[:, 0].max())
+    axes.set_ylim(points[:, 1].min(), points[:, 1].max())
+    if labels:
+        axes.set_xlabel("x [m]")
+        axes.set_ylabel("y [m]")
+    else:
+        axes.set_xticks([])
+        axes.set_yticks([])
+
+
+def size_in(grid: CoarseGrid, *, most: float, margin: float = _MARGIN) -> tuple[float, float]:
+    """Return width and height in inches of a panel that shows the grid, its longer side as given."""
+    spans = np.ptp(points_m(grid, _box(grid, margin)), axis=0)
+    width, height = most * spans / spans.max()
+    return float(width), float(height)
+
+
+def _window(grid: CoarseGrid) -> tuple[int, int, int, int]:
+    """Return west, north, east, south of the free cells and their neighbours, in cells."""
+    rows, columns = np.flatnonzero(grid.free.any(axis=1)), np.flatnonzero(grid.free.any(axis=0))
+    if not rows.size:
+        return 0, 0, grid.columns, grid.rows
+    west, north = max(0, int(columns[0]) - 1), max(0, int(rows[0]) - 1)
+    return west, north, min(grid.columns, int(columns[-1]) + 2), min(grid.rows, int(rows[-1]) + 2)
+
+
+def _box(grid: CoarseGrid, margin: float) -> NDArray[np.float64]:
+    """Return the corners of what is shown, in cells from the grid's north-western corner."""
+    west, north, east, south = _window(grid)
+    low_x, low_y, high_x, high_y = west - margin, north - margin, east + margin, south + margin
+    return np.array([(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)])

@@ -1,0 +1,147 @@
+"""Sagittal phase space with switches and safety bounds (as in Shamsah et al., T-RO 2023, Figs. 4 and 6)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from surefoot.missions.run_log import Step
+from surefoot.viewer import style
+from surefoot.viewer.motion import halves, local, turned
+from surefoot.viewer.sources import RunSource
+
+_STEPS = 5
+
+
+def draw_phase_space(source: RunSource, path: Path) -> Path:
+    """Draw the sagittal phase space of a straight stretch, and of a turn if there is one."""
+    stretches = [
+        (title, steps)
+        for title, steps in (
+            ("straight walking", straight_stretch(source.run.steps)),
+            ("a turn, every step in the frame of its own heading", turn_stretch(source.run.steps)),
+        )
+        if steps
+    ]
+    walking = source.plan.document.get("walking", {})
+    with style.pictured(path, 9.0, 3.3 * len(stretches) + 0.9) as figure:
+        panels = figure.subplots(len(stretches), 1, squeeze=False).ravel()
+        for letter, axes, (title, steps) in zip("ab", panels, stretches, strict=False):
+            _draw_stretch(axes, steps, walking)
+            axes.set_title(f"({letter}) {title}, steps {steps[0].step} to {steps[-1].step}", loc="left")
+        panels[-1].set_xlabel("position along the heading, summed over the steps [m]")
+        style.legend_outside(figure, _legend(), columns=4)
+    return path
+
+
+def straight_stretch(steps: Sequence[Step], count: int = _STEPS) -> tuple[Step, ...]:
+    """Return the middle of the longest stretch without heading changes, starts and stops."""
+    stretches: list[list[Step]] = [[]]
+    for step in steps:
+        if step.heading_change_rad or step.rise_s is not None or step.rest_s is not None:
+            stretches.append([])
+        else:
+            stretches[-1].append(step)
+    longest = max(stretches, key=len)
+    begin = max(0, (len(longest) - count) // 2)
+    return tuple(longest[begin : begin + count])
+
+
+def turn_stretch(steps: Sequence[Step]) -> tuple[Step, ...]:
+    """Return the first whole turn that is not the start of the run, with the step before it and the step after it."""
+    for begin, step in enumerate(steps):
+        if begin and step.heading_change_rad and not steps[begin - 1].heading_change_rad:
+            end = begin
+            while end < len(steps) and steps[end].heading_change_rad:
+                end += 1
+            if end < len(steps):
+                return tuple(steps[begin - 1 : end + 1])
+    return ()
+
+
+def _draw_stretch(axes: Axes, steps: Sequence[Step], walking: Mapping[str, Any]) -> None:
+    style.light_grid(axes)
+    at_m, top_mps = 0.0, 1.25 * max(np.hypot(*step.switch_velocity_mps) for step in steps)
+    top_mps = max(top_mps, 1.12 * walking.get("switch_speed_max_mps", 0.0))
+    begin_m, end_m = 0.0, 0.0
+    for number, step in enumerate(steps):
+        _draw_asymptotes(axes, step, at_m, top_mps, new_frame=number == 0 or step.heading_change_rad != 0)
+        span = _draw_step(axes, step, at_m)
+        begin_m, end_m = min(begin_m, span[0]), max(end_m, span[1])
+        at_m += step.length_m
+    margin_m = 0.12
+    axes.set_xlim(begin_m - margin_m, end_m + margin_m)
+    axes.set_ylim(0.0, top_mps)
+    axes.set_ylabel("speed along the heading [m/s]")
+    _draw_bounds(axes, walking)
+
+
+def _draw_step(axes: Axes, step: Step, at_m: float) -> tuple[float, float]:
+    """Draw both halves of a step, its apexes and its switch; return its first and last position."""
+    before, after = halves(step, 40)
+    colours = (style.LEFT, style.RIGHT) if step.stance == "left" else (style.RIGHT, style.LEFT)
+    for (points, speeds), colour in zip((before, after), colours, strict=True):
+        axes.plot(local(step, points)[:, 0] + at_m, turned(step, speeds)[:, 0], color=colour, lw=1.8, zorder=4)
+    first = float(local(step, before[0])[0, 0]) + at_m
+    last = float(local(step, after[0])[-1, 0]) + at_m
+    _draw_turned_apex(axes, step, first)
+    speed = float(turned(step, np.array(step.switch_velocity_mps))[0])
+    switch = float(local(step, np.array(step.switch_m))[0]) + at_m
+    axes.plot(switch, speed, "s", ms=5.5, mfc="white", mec=style.BLACK, mew=1.1, zorder=6)
+    axes.plot(last, float(turned(step, np.array(step.next_velocity_mps))[0]), "o", ms=5, color=style.BLACK, zorder=6)
+    return first, last
+
+
+def _draw_turned_apex(axes: Axes, step: Step, position_m: float) -> None:
+    """Draw the start apex, and how turning the frame lowers its speed along the heading."""
+    along = float(turned(step, np.array(step.velocity_mps))[0])
+    speed = float(np.hypot(*step.velocity_mps))
+    axes.plot(position_m, speed, "o", ms=5, color=style.BLACK, zorder=6)
+    if step.heading_change_rad:
+        axes.plot([position_m, position_m], [along, speed], ":", color=style.BLACK, lw=1.0, zorder=5)
+        axes.plot(position_m, along, "o", ms=5, mfc="white", mec=style.BLACK, zorder=6)
+
+
+def _draw_asymptotes(axes: Axes, step: Step, at_m: float, top_mps: float, *, new_frame: bool) -> None:
+    """Shade below the asymptotes +-omega (x - x_foot): an orbit that falls below them never gets over the foot."""
+    feet = [step.foot_m] if new_frame else []
+    for foot in (*feet, step.next_foot_m):
+        place = float(local(step, np.array(foot[:2]))[0]) + at_m
+        reach = top_mps / step.omega_radps
+        for side in (-1, 1):
+            axes.plot([place, place + side * reach], [0, top_mps], color=style.BOUND, lw=0.7, ls=(0, (4, 3)), zorder=2)
+        axes.plot(place, 0.0, marker="^", ms=7, color=style.BOUND, clip_on=False, zorder=7)
+
+
+def _draw_bounds(axes: Axes, walking: Mapping[str, Any]) -> None:
+    low, high = walking.get("apex_speed_mps", (0.0, 0.0))
+    axes.axhspan(low, high, facecolor=style.GREEN, alpha=0.10, zorder=1)
+    axes.axhline(walking.get("switch_speed_max_mps", np.nan), color=style.PURPLE, lw=1.4, ls="-.", zorder=3)
+    axes.axhline(walking.get("steering_speed_max_mps", np.nan), color=style.GREEN, lw=1.0, ls="--", zorder=3)
+
+
+def _legend() -> list[Any]:
+    return [
+        Line2D([], [], color=style.LEFT, lw=2, label="orbit about the left foot"),
+        Line2D([], [], color=style.RIGHT, lw=2, label="orbit about the right foot"),
+        Line2D([], [], ls="", marker="o", color=style.BLACK, label="apex (hollow: in the new heading)"),
+        Line2D([], [], ls="", marker="s", mfc="white", mec=style.BLACK, label="switch of the stance foot"),
+        Line2D(
+            [],
+            [],
+            color=style.BOUND,
+            lw=0.9,
+            ls=(0, (4, 3)),
+            marker="^",
+            label=r"asymptotes $\pm\omega\,(x-x_{foot})$, foot",
+        ),
+        Patch(facecolor=style.GREEN, alpha=0.2, label="allowed apex speed"),
+        Line2D([], [], color=style.GREEN, lw=1.0, ls="--", label="its cap at turn steps"),
+        Line2D([], [], color=style.PURPLE, lw=1.4, ls="-.", label=r"greatest switch speed $v_{max}$"),
+    ]

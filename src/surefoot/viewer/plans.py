@@ -1,0 +1,206 @@
+"""The grid of a plan or of a scenario: start, goals, where obstacles may be, belief regions, stairs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from surefoot.frames import Cell, Direction
+from surefoot.missions.scenario import Scenario, read_scenario
+from surefoot.viewer import style
+from surefoot.viewer.ground import (
+    draw_blocked,
+    draw_lines,
+    draw_pixels,
+    fill_cells,
+    frame,
+    number_cells,
+    points_m,
+    size_in,
+)
+from surefoot.viewer.marks import mark_goals, mark_obstacle, mark_robot
+from surefoot.viewer.sources import read_plan_source
+from surefoot.world import CoarseGrid, OccupancyMap, Rectangle, make_grid, read_occupancy_map
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """What the picture shows.
+
+    Attributes:
+        scenario: places, regions and heights.
+        occupancy: the map's pixels.
+        grid: the coarse grid.
+        start_m: where the robot stands at first.
+        forbidden: free cells that the first obstacle never enters.
+        title: above the picture.
+    """
+
+    scenario: Scenario
+    occupancy: OccupancyMap
+    grid: CoarseGrid
+    start_m: tuple[float, float]
+    forbidden: frozenset[Cell]
+    title: str
+
+
+def draw_plan(plan_dir: Path, out: Path) -> tuple[Path, ...]:
+    """Draw the grid that a plan was made on."""
+    source = read_plan_source(plan_dir)
+    start = source.cells("start", "cell")
+    domain = frozenset(source.cells("obstacles", 0, "domain"))
+    layout = Layout(
+        scenario=source.scenario,
+        occupancy=source.occupancy,
+        grid=source.grid,
+        start_m=source.grid.center_m(start[0]) if start else source.scenario.start.position_m,
+        forbidden=frozenset(source.grid.free_cells()) - domain if domain else frozenset(),
+        title=f"plan {source.folder.name}",
+    )
+    return (draw_layout(layout, out / "plan.png"),)
+
+
+def draw_scenario(scenario_path: Path, out: Path) -> tuple[Path, ...]:
+    """Draw a scenario on its map, even where its places are not right yet."""
+    scenario = read_scenario(scenario_path)
+    occupancy = read_occupancy_map(scenario.map_path, scenario.map_resolution_m)
+    grid = _grid(scenario, occupancy)
+    barred = {
+        cell
+        for obstacle in scenario.obstacles[:1]
+        for area in obstacle.forbidden
+        for cell in grid.wholly_inside(area.rectangle_m)
+        if grid.is_free(cell)
+    }
+    layout = Layout(scenario, occupancy, grid, scenario.start.position_m, frozenset(barred), scenario_path.name)
+    return (draw_layout(layout, out / f"{scenario_path.stem}.png"),)
+
+
+def draw_layout(layout: Layout, path: Path) -> Path:
+    """Draw a scenario's grid with all that is placed on it."""
+    width, height = size_in(layout.grid, most=9.5)
+    with style.pictured(path, max(width + 0.8, 6.0), height + 1.5) as figure:
+        _draw(figure, layout)
+    return path
+
+
+def _grid(scenario: Scenario, occupancy: OccupancyMap) -> CoarseGrid:
+    from surefoot.missions.biped_scene import inflation_m
+    from surefoot.robots import biped
+    from surefoot.walking import walking_parameters
+
+    walking = walking_parameters(scenario.grid.cell_size_m, **scenario.walking.given())
+    return make_grid(
+        occupancy,
+        cell_size_m=scenario.grid.cell_size_m,
+        origin_m=scenario.grid.origin_m,
+        rotation_rad=scenario.grid.rotation_rad,
+        unknown=scenario.grid.unknown,
+        inflation_m=inflation_m(walking, biped(scenario.robot)),
+    )
+
+
+def _draw(figure: Figure, layout: Layout) -> None:
+    axes, grid, scenario = figure.add_subplot(), layout.grid, layout.scenario
+    draw_pixels(axes, layout.occupancy)
+    draw_blocked(axes, grid)
+    handles = _draw_regions(axes, layout)
+    fill_cells(axes, grid, layout.forbidden, facecolor="none", edgecolor=style.OBSTACLE, hatch="xx", lw=0, zorder=0.8)
+    draw_lines(axes, grid)
+    number_cells(axes, grid)
+    handles += _draw_heights(axes, layout)
+    _draw_places(axes, layout)
+    frame(axes, grid)
+    free = int(grid.free.sum())
+    axes.set_title(f"{layout.title}: {free} free cells of {grid.cell_size_m:g} m")
+    style.legend_outside(figure, [*_legend(scenario, forbidden=bool(layout.forbidden)), *handles], columns=4)
+
+
+def _draw_regions(axes: Axes, layout: Layout) -> list[Any]:
+    """Colour the belief regions; return what the legend says about them."""
+    handles: list[Any] = []
+    for number, region in enumerate(layout.scenario.belief_regions):
+        cells = {cell for area in region.rectangles_m for cell in layout.grid.centered_in(area)}
+        colour = style.REGIONS[number % len(style.REGIONS)]
+        free = [cell for cell in cells if layout.grid.is_free(cell)]
+        fill_cells(axes, layout.grid, free, facecolor=colour, alpha=0.4, edgecolor="none", zorder=0.6)
+        handles.append(Patch(facecolor=colour, alpha=0.4, label=f"belief region {number}"))
+    return handles
+
+
+def _draw_heights(axes: Axes, layout: Layout) -> list[Any]:
+    grid, heights = layout.grid, layout.scenario.heights
+    for floor in heights.floors:
+        for area in floor.rectangles_m:
+            corners = _corners(grid, area)
+            axes.add_collection(PolyCollection([corners], facecolors="none", edgecolors=style.BLUE, lw=1.6, zorder=3))
+            looks = {"fontsize": 8, "color": style.BLUE, "ha": "right", "va": "bottom", "zorder": 9}
+            axes.annotate(f"{floor.height_m:g} m", corners[2], (-3, 3), textcoords="offset points", **looks)
+    for stairs in heights.stairs:
+        corners = _corners(grid, stairs.rectangle_m)
+        axes.add_collection(PolyCollection([corners], facecolors="none", edgecolors=style.BLUE, lw=1.6, zorder=3))
+        _draw_risers(axes, grid, stairs)
+    return (
+        [Patch(facecolor="none", edgecolor=style.BLUE, lw=1.6, label="raised floor, stairs (arrow: up)")]
+        if (heights.floors or heights.stairs)
+        else []
+    )
+
+
+def _corners(grid: CoarseGrid, area: Rectangle) -> Any:
+    west, north, east, south = grid.bounds(area)
+    return points_m(grid, np.array([(west, north), (west, south), (east, south), (east, north)]))
+
+
+def _draw_risers(axes: Axes, grid: CoarseGrid, stairs: Any) -> None:
+    """Draw the risers of a flight of stairs, and an arrow that points up."""
+    west, north, east, south = grid.bounds(stairs.rectangle_m)
+    up = Direction[stairs.up.upper()]
+    rows, columns = up.offset
+    for riser in range(stairs.risers):
+        along = (stairs.first_riser_m + riser * stairs.tread_m) / grid.cell_size_m
+        if columns:
+            x = west + along if columns > 0 else east - along
+            line = [(x, north), (x, south)]
+        else:
+            y = south - along if rows < 0 else north + along
+            line = [(west, y), (east, y)]
+        points = points_m(grid, np.array(line))
+        axes.plot(points[:, 0], points[:, 1], color=style.BLUE, lw=0.6, zorder=3)
+    middle = np.array([(west + east) / 2, (north + south) / 2])
+    reach = 0.4 * np.array([columns * (east - west), rows * (south - north)])
+    tail, tip = points_m(grid, np.array([middle - reach, middle + reach]))
+    axes.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": style.BLUE, "lw": 1.6}, zorder=9)
+
+
+def _draw_places(axes: Axes, layout: Layout) -> None:
+    """Draw the start with its heading, the goals with their numbers, and the obstacles."""
+    scenario = layout.scenario
+    yaw_rad = Direction[scenario.start.heading.upper()].yaw_rad + layout.grid.rotation_rad
+    mark_robot(axes, layout.start_m, yaw_rad, colour=style.BLACK, size=13)
+    mark_goals(axes, [goal.position_m for goal in scenario.goals], size=14)
+    for obstacle in scenario.obstacles:
+        mark_obstacle(axes, obstacle.start_m, size=10)
+
+
+def _legend(scenario: Scenario, *, forbidden: bool) -> list[Any]:
+    handles: list[Any] = [
+        Line2D([], [], ls="", marker=(3, 0, -90), ms=10, color=style.BLACK, label="start, its heading"),
+        Line2D([], [], ls="", marker="*", ms=12, color=style.GOAL, label="goals, in order"),
+        Patch(facecolor=style.BLOCKED, edgecolor="#a8a8a8", hatch="////", lw=0, label="blocked cell"),
+        Patch(facecolor=style.WALL, label="occupied"),
+    ]
+    if scenario.obstacles:
+        handles.append(Line2D([], [], ls="", marker="o", ms=9, color=style.OBSTACLE, label="obstacle at the start"))
+    if forbidden:
+        hatched = {"facecolor": "none", "edgecolor": style.OBSTACLE, "hatch": "xxx", "lw": 0}
+        handles.append(Patch(label="obstacle never here", **hatched))
+    return handles

@@ -1,0 +1,23 @@
+"""The pictures of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from surefoot.viewer.beliefs import draw_beliefs
+from surefoot.viewer.keyframes import draw_keyframes
+from surefoot.viewer.paths import draw_path
+from surefoot.viewer.phase_space import draw_phase_space
+from surefoot.viewer.sources import read_run_source
+
+
+def draw_run(run_dir: Path, out: Path) -> tuple[Path, ...]:
+    """Draw everything that a run has to show; what it has none of (such as obstacles) is left out."""
+    source = read_run_source(run_dir)
+    pictures = [draw_path(source, out / "map.png")]
+    if source.run.turns:
+        pictures.append(draw_beliefs(source, out / "belief.png"))
+    if source.run.steps:
+        pictures.append(draw_phase_space(source, out / "phase_space.png"))
+        pictures.append(draw_keyframes(source, out / "keyframes.png"))
+    return tuple(pictures)

@@ -1,0 +1,128 @@
+"""The biped's main job, end to end: plan, walk, verify."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from surefoot.errors import InputError
+from surefoot.missions.biped import RunAnswer, run_mission
+from surefoot.missions.planning import plan_mission
+
+PLANS = {
+    "two_rooms_mission.yaml": "two_rooms_plan",
+    "tutorial_mission.yaml": "tutorial_plan",
+    "depot_mission.yaml": "depot_plan",
+}
+
+
+def check(answer: RunAnswer, *, steps: int, visits: int) -> None:
+    assert answer.verified, answer.findings
+    assert answer.steps == steps
+    assert answer.collisions == 0
+    assert answer.unsafe_steps == 0
+    assert min(answer.goals_reached) >= visits
+
+
+@pytest.mark.parametrize("policy", ["random", "adversarial"])
+@pytest.mark.parametrize("scene", PLANS)
+def test_walks_every_scene(
+    scene: str, policy: str, request: pytest.FixtureRequest, scenes: Path, tmp_path: Path
+) -> None:
+    plan = request.getfixturevalue(PLANS[scene])
+    answer = run_mission(scenes / scene, plan, steps=500, seed=3, obstacle=policy, out=tmp_path / "run")
+    check(answer, steps=500, visits=2)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("policy", ["random", "adversarial"])
+@pytest.mark.parametrize("scene", PLANS)
+def test_ensemble(
+    scene: str, policy: str, seed: int, request: pytest.FixtureRequest, scenes: Path, tmp_path: Path
+) -> None:
+    plan = request.getfixturevalue(PLANS[scene])
+    answer = run_mission(scenes / scene, plan, steps=500, seed=seed, obstacle=policy, out=tmp_path / "run")
+    check(answer, steps=500, visits=2)
+
+
+def test_the_same_seed_gives_the_same_run(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
+    logs = []
+    for name in ("one", "two"):
+        out = tmp_path / name
+        run_mission(
+            scenes / "tutorial_mission.yaml", tutorial_plan, steps=60, seed=11, obstacle="random", out=out
+        )
+        logs.append((out / "run.jsonl").read_text())
+    assert logs[0] == logs[1]
+
+
+def test_the_log_has_a_header_turns_steps_and_an_end(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
+    run_mission(
+        scenes / "tutorial_mission.yaml", tutorial_plan, steps=40, seed=1, obstacle="random", out=tmp_path / "run"
+    )
+    records = [json.loads(line) for line in (tmp_path / "run" / "run.jsonl").read_text().splitlines()]
+    assert records[0]["record"] == "header"
+    assert records[-1]["record"] == "end"
+    assert sum(record["record"] == "step" for record in records) == 40
+
+
+def test_a_plan_for_another_scenario_is_refused(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="plan again"):
+        run_mission(
+            scenes / "two_rooms_mission.yaml", tutorial_plan, steps=5, seed=1, obstacle="random", out=tmp_path / "run"
+        )
+    assert not (tmp_path / "run").exists()
+
+
+def test_an_unrealizable_scenario_names_the_goal_and_leaves_no_plan(scenes: Path, tmp_path: Path) -> None:
+    text = (scenes / "two_rooms_mission.yaml").read_text()
+    lines = [line for line in text.splitlines() if "upper room" not in line]
+    scenario = tmp_path / "mission.yaml"
+    scenario.write_text("\n".join(lines).replace("two_rooms.yaml", str(scenes / "two_rooms.yaml")))
+    answer = plan_mission(scenario, tmp_path / "plan")
+    assert not answer.realizable
+    assert answer.witness is not None
+    assert "goal" in answer.witness
+    assert not (tmp_path / "plan").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["mission.yaml"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("position_m: [22.97984, 6.75877]", "position_m: [1.0, 1.0]"), "blocked cell"),
+        (("position_m: [22.97984, 6.75877]", "position_m: [-50, 1.0]"), "off the grid"),
+        (("position_m: [4.05527, 6.75877]", "position_m: [100, 6.75877]"), "off the grid"),
+        (("map: two_rooms.yaml", "map: nowhere.yaml"), "nowhere.yaml"),
+        (("cell_size_m: 2.70351", "cell_size_m: -1"), "cell_size_m"),
+        (("range_m: 10.82", "range_m: .nan"), "range_m"),
+        (("risers: 12", "risers: 11"), "heights.stairs"),
+        (("walking: {}", "walking: {straight_cells: [25]}"), "walking.straight_cells"),
+    ],
+)
+def test_bad_input_is_one_sentence(change: tuple[str, str], message: str, scenes: Path, tmp_path: Path) -> None:
+    text = (scenes / "two_rooms_mission.yaml").read_text()
+    assert change[0] in text
+    scenario = tmp_path / "mission.yaml"
+    text = text.replace(*change)
+    scenario.write_text(text.replace("map: two_rooms.yaml", f"map: {scenes / 'two_rooms.yaml'}"))
+    with pytest.raises(InputError, match=message):
+        plan_mission(scenario, tmp_path / "plan")
+    assert not (tmp_path / "plan").exists()
+
+
+def test_an_unreachable_goal_names_the_cells_in_between(scenes: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "map.pgm"
+    rows = ["#######", "#..#..#", "#..#..#", "#..#..#", "#######"]
+    pixels = bytes(0 if sign == "#" else 255 for row in rows for sign in row)
+    picture.write_bytes(b"P5\n7 5\n255\n" + pixels)
+    scenario = tmp_path / "mission.yaml"
+    scenario.write_text(
+        "format: 1\nkind: biped\nmap: map.pgm\nmap_resolution_m: 2.7\ngrid: {cell_size_m: 2.7}\n"
+        "start: {position_m: [4.0, 6.7], heading: east}\ngoals: [{position_m: [14.8, 6.7]}]\nsensor: {range_m: 8}\n"
+    )
+    with pytest.raises(InputError, match=r"blocked cells \(2, 3\) separate"):
+        plan_mission(scenario, tmp_path / "plan")
