@@ -52,9 +52,7 @@ def test_the_same_seed_gives_the_same_run(tutorial_plan: Path, scenes: Path, tmp
     logs = []
     for name in ("one", "two"):
         out = tmp_path / name
-        run_mission(
-            scenes / "tutorial_mission.yaml", tutorial_plan, steps=60, seed=11, obstacle="random", out=out
-        )
+        run_mission(scenes / "tutorial_mission.yaml", tutorial_plan, steps=60, seed=11, obstacle="random", out=out)
         logs.append((out / "run.jsonl").read_text())
     assert logs[0] == logs[1]
 

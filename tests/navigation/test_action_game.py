@@ -36,14 +36,14 @@ def test_default_library_is_realizable() -> None:
     assert verdict
     assert strategy is not None
     assert start is not None
-    assert start.moved_cells == 0
+    assert start.moved_cells < 1
 
 
 @pytest.mark.parametrize(
     ("walking", "realizable"),
     [
-        ({"straight_cells": (4, 3, 5)}, False),  # with deviations at start and stop too, short steps are needed
-        ({"straight_cells": (4, 3, 5), "sagittal_outcomes_cells": 0}, True),
+        ({"straight_cells": (4, 3)}, False),  # with deviations at start and stop too, short steps are needed
+        
         ({"lateral_outcomes_cells": 4}, False),
         ({"side_band_cells": 10}, False),
     ],

@@ -32,7 +32,7 @@ def run(
         Obstacle, typer.Option(help="How obstacles move: at random, to block and hunt the robot, or as a file says.")
     ] = Obstacle.RANDOM,
     script: Annotated[
-        Path | None, typer.Option(help="Where scripted obstacles go: a file with one line of cells per turn.")
+        Path | None, typer.Option(help="Where scripted obstacles are after each turn: a YAML file.")
     ] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="The folder for the run.")] = Path("run"),
     as_json: AsJson = False,
@@ -42,16 +42,16 @@ def run(
     Examples:
       surefoot run my.yaml --plan plan/
       surefoot run my.yaml --steps 500 --seed 7 --obstacle adversarial -o run/
-      surefoot run my.yaml --obstacle scripted --script cells.txt --json
+      surefoot run my.yaml --obstacle scripted --script guard.yaml --json
 
     Exit code 0: every goal was reached, nothing collided, no step was unsafe,
     and the log is verified; 1: not so; 2: the input cannot be used, such as a
     plan that was made for another scenario.
     """
-    from surefoot.missions.biped import run_mission
-
     if (script is not None) != (obstacle is Obstacle.SCRIPTED):
         raise InputError("--script FILE and --obstacle scripted belong together; give both or neither")
+    from surefoot.missions.biped import run_mission
+
     with progress() as say:
         walked = run_mission(
             scenario, plan, steps=steps, seed=seed, obstacle=obstacle.value, script=script, out=output, progress=say

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from surefoot.cli.output import AsJson, answer, facts, progress
+from surefoot.cli.output import AsJson, answer, facts, jsonable, progress
 
 app = typer.Typer(help="Scenario files: make one for a map, print their schema.", rich_markup_mode="rich")
 
@@ -41,6 +41,7 @@ def init(
       surefoot scenario init floor.png --resolution 0.05 --cell-size 2.0
     """
     from surefoot.missions.scenario_init import init_scenario
+    from surefoot.viewer import view_scenario
 
     with progress() as say:
         made = init_scenario(
@@ -52,9 +53,12 @@ def init(
             replace=force,
             progress=say,
         )
-    shown = {"picture": made.picture, "free cells": made.free_cells, "obstacle": made.obstacle, "checked": made.checked}
-    notes = [f"  note: {note}" for note in made.notes]
-    answer(made, [f"Wrote {made.scenario}", *facts(shown), *notes], yes=True, as_json=as_json)
+        say("drawing")
+        (picture,) = view_scenario(made.scenario, None)
+    checked = {True: "yes", False: "NO", None: "not found out in time"}[made.checked]
+    shown = {"picture": picture, "free cells": made.free_cells, "obstacle": made.obstacle, "can be planned": checked}
+    lines = [f"Wrote {made.scenario}", *facts(shown), *(f"  note: {note}" for note in made.notes)]
+    answer({**jsonable(made), "picture": str(picture)}, lines, yes=True, as_json=as_json)
 
 
 @app.command("schema")

@@ -11,9 +11,9 @@ from surefoot.cli.output import AsJson, answer
 
 
 def view(
-    path: Annotated[Path, typer.Argument(help="The folder of a run or of a plan.", show_default=False)],
+    path: Annotated[Path, typer.Argument(help="The folder of a run or of a plan, or a scenario.", show_default=False)],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="The folder for the pictures; default: the folder itself.")
+        Path | None, typer.Option("-o", "--output", help="The folder for the pictures; default: that folder.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -22,6 +22,7 @@ def view(
     Examples:
       surefoot view run/
       surefoot view plan/ -o pictures/
+      surefoot view my.yaml
     """
     from surefoot.viewer import view_folder
 

@@ -189,7 +189,7 @@ class _Walk:
         place = self.fine_steps.waypoint_m(self.cell, self.fine)
         yaw = self.fine_steps.yaw_rad(self.fine)
         self.walking: WalkingState = standing_state(place, yaw, Foot.LEFT, scene.walking, scene.robot)
-        self.time_s, self.turn, self.steps = 0.0, 0, 0
+        self.time_s, self.turn, self.steps = 0.0, -1, 0
         self.unsafe_steps = self.turns_completed = self.corrections = self.alternating = 0
         self.decision_ms: list[float] = []
         self.notes: list[str] = []
@@ -200,6 +200,7 @@ class _Walk:
         idle = 0
         while self.steps < self.limit and not self.halted:
             before = self.steps
+            self.turn += 1
             order = self._decide()
             if not self._carry_out(order):
                 break
@@ -208,11 +209,10 @@ class _Walk:
             if idle > 1000:
                 self.notes.append("the robot waited for 1000 turns on end; the obstacle does not make way")
                 break
-            self.turn += 1
         self.writer.write(
             "end",
             steps=self.steps,
-            turns_coarse=self.turn,
+            turns_coarse=self.turn + 1,
             goals_reached=self.goals_reached,
             time_s=self.time_s,
         )
@@ -279,15 +279,15 @@ class _Walk:
     def _book(self, step: WalkingStep, action: int, target: int) -> bool:
         """Log a step and give its outcome to the action game as the environment's move."""
         before = self.fine
-        moved = apply_action(self.plan.rules.tables, before, action, 0, step.lateral_cells)
+        moved = apply_action(self.plan.rules.tables, before, action, step.sagittal_cells, step.lateral_cells)
         self.writer.write(
             "step",
             step=self.steps,
             turn=self.turn,
-            time_s=self.time_s,
+            time_s=self.time_s + (step.rise_s or 0.0),
             fine=before._asdict(),
             action=action,
-            outcome={"sagittal": 0, "lateral": step.lateral_cells},
+            outcome={"sagittal": step.sagittal_cells, "lateral": step.lateral_cells},
             **step_record(step),
         )
         crossed = moved.achieved and action != Action.STOP
@@ -336,4 +336,5 @@ def step_record(step: WalkingStep) -> dict[str, Any]:
     """Return the fields of a walking step that a log holds, absent ones left out."""
     content = {field.name: getattr(step, field.name) for field in fields(step)}
     content["stance"] = step.stance.name.lower()
-    return {name: value for name, value in content.items() if value is not None and name != "lateral_cells"}
+    elsewhere = ("lateral_cells", "sagittal_cells", "turn_step")
+    return {name: value for name, value in content.items() if value is not None and name not in elsewhere}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from surefoot.frames import Foot, heading_yaw_rad
 from surefoot.missions.biped_scene import BipedScene
-from surefoot.navigation import STOP_ORDER, Action, ActionRules, FineState, Mode, apply_action
+from surefoot.navigation import STOP_ORDER, Action, ActionRules, FineState, Mode, apply_action, deviations
 from surefoot.walking import StepCommand, StepKind
 
 
@@ -35,6 +35,7 @@ class FineSteps:
             height_change_m=nominal.height_change_m,
             last_turn_step=turned != 0 and nominal.state.mode == Mode.WALKING,
             next_heading_changes_rad=self._next_changes(nominal.state, achieved=nominal.achieved),
+            sagittal_outcomes_cells=deviations(tables, state, action).sagittal,
         )
 
     @property

@@ -130,7 +130,7 @@ def _solved(scene: BipedScene, out: Path, progress: Progress, deadline: Deadline
 
     if navigation is None or action is None or start is None:
         return answer(verified=False, where=None)
-    if start.moved_cells > 0:
+    if start.moved_cells > 1:
         moved_m = start.moved_cells * scene.walking.fine_cell_m
         notes.append(f"the robot stands {moved_m:.2f} m from the requested start, to keep clear of the cell's sides")
     document = _document(scene, rules, start, game.turns, action_game.states)

@@ -2,10 +2,12 @@
 
 from surefoot.navigation.action_game import (
     ActionGame,
+    Deviations,
     FineState,
     Moved,
     apply_action,
     build_action_game,
+    deviations,
     standing_start,
 )
 from surefoot.navigation.action_rules import STOP_ORDER, Action, ActionRules, Context, Mode, action_rules, order_context
@@ -37,6 +39,7 @@ __all__ = [
     "ActionStrategy",
     "CoarseMap",
     "Context",
+    "Deviations",
     "FineStart",
     "FineState",
     "Mode",
@@ -56,6 +59,7 @@ __all__ = [
     "build_action_game",
     "build_navigation_game",
     "coarse_map",
+    "deviations",
     "first_knowledge",
     "load_action_strategy",
     "load_navigation_strategy",

@@ -113,6 +113,18 @@ class Moved(NamedTuple):
     height_change_m: float
 
 
+class Deviations(NamedTuple):
+    """The largest deviations from its nominal outcome that an action may have, in fine cells."""
+
+    sagittal: int
+    lateral: int
+
+
+def deviations(tables: Tables, state: FineState, action: int) -> Deviations:
+    """Return by how much an action may deviate in a state."""
+    return Deviations(*kernels.deviations(tables, *state[:3], *state[4:], action))
+
+
 def apply_action(tables: Tables, state: FineState, action: int, sagittal: int, lateral: int) -> Moved:
     """Return where an action with a labelled outcome leads.
 
@@ -126,11 +138,11 @@ def apply_action(tables: Tables, state: FineState, action: int, sagittal: int, l
     Raises:
         ValueError: if the outcome is not one that the game admits.
     """
-    most_sagittal, most_lateral = kernels.deviations(tables, *state[:3], *state[4:], action)
-    if abs(sagittal) > most_sagittal or abs(lateral) > most_lateral:
+    most = deviations(tables, state, action)
+    if abs(sagittal) > most.sagittal or abs(lateral) > most.lateral:
         raise ValueError(
-            f"outcome ({sagittal}, {lateral}) is not among those of action {action}: at most {most_sagittal} fine "
-            f"cells along the heading and {most_lateral} sideways"
+            f"outcome ({sagittal}, {lateral}) is not among those of action {action}: at most {most.sagittal} fine "
+            f"cells along the heading and {most.lateral} sideways"
         )
     status, row, column, heading, stance, mode, change = kernels.move(tables, *state, action, sagittal, lateral)
     if status == kernels.LOST:

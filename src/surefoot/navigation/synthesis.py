@@ -226,8 +226,7 @@ def solve_action(
     nearest = int(np.argmin(distances))
     place = places[nearest]
     strategy = extract_action_strategy(game, solution, int(game.starts[place[0], place[1]]))
-    moved = 0.0 if distances[nearest] <= 0.5 * np.sqrt(2) + 1e-6 else float(distances[nearest])
-    return Verdict.true(), strategy, FineStart(int(place[0]), int(place[1]), moved)
+    return Verdict.true(), strategy, FineStart(int(place[0]), int(place[1]), float(distances[nearest]))
 
 
 def extract_action_strategy(game: ActionGame, solution: Solution, start: int) -> ActionStrategy:

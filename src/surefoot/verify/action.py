@@ -33,11 +33,12 @@ from surefoot.verify.artefacts import PlanFile
 from surefoot.verify.claims import ORDERS, Claims
 from surefoot.verify.findings import Ledger
 from surefoot.verify.graphs import components, cyclic
-from surefoot.verify.scene import STOP, Scene
+from surefoot.verify.scene import STOP
 
 Array = NDArray[Any]
 Core = tuple[int, int, int, int, int]
 _KEPT = 16
+BORDERS, UNKNOWN = 6, 5
 _BROKEN = {
     LOST_CROSSING: ("crossing", "a border other than the ordered one may be crossed"),
     SIDE_BAND: ("side band", "the position may come into the side band at a cardinal heading"),
@@ -104,27 +105,21 @@ def _codes(rules: Rules, cores: Array, contexts: Array) -> Array:
     return codes
 
 
-def first_contexts(scene: Scene, claims: Claims) -> list[int]:
-    """Return the contexts that are possible at the start."""
-    here = claims.kinds[claims.start]
-    found = [
-        (here, int(move), claims.kinds[scene.target(claims.start, move)])
-        for move in scene.moves(claims.start)
-        if move != claims.heading.opposite
-    ]
-    if here == 0:
-        found.append((0, STOP, 0))
-    return [claims.contexts.index(context) for context in found]
-
-
 def start_core(claims: Claims) -> Core:
     """Return the first state of every walk: standing, stance left."""
     return (claims.fine[0], claims.fine[1], int(claims.heading) * claims.turn_steps, 0, 0)
 
 
-def check_action(scene: Scene, claims: Claims, table: ActionTable, ledger: Ledger) -> None:
-    """Follow the strategy from the start through every outcome and every next context."""
-    core, contexts = start_core(claims), first_contexts(scene, claims)
+def check_action(claims: Claims, table: ActionTable, contexts: list[int], ledger: Ledger) -> None:
+    """Follow the strategy from the start, and from every other row, through every outcome and every next context.
+
+    Args:
+        claims: the plan's numbers.
+        table: its action strategy.
+        contexts: the first ones that are possible.
+        ledger: takes findings and counts.
+    """
+    core = start_core(claims)
     _check_start(table.rules, core, claims, ledger)
     rows = np.array([table.row(core, context) for context in contexts], np.int64)
     for context, row in zip(contexts, rows, strict=True):
@@ -133,7 +128,8 @@ def check_action(scene: Scene, claims: Claims, table: ActionTable, ledger: Ledge
     states, first, successors, broken, samples, achieved = _explore(
         table.rules, table.keys, table.cores, table.contexts, table.actions, rows[rows >= 0]
     )
-    ledger.counts["action_states"] = len(np.unique(states // 5))
+    from_start = len(np.unique(states[states % BORDERS != UNKNOWN] // BORDERS))
+    ledger.counts["action_states"], ledger.counts["action_rows"] = from_start, len(table.keys)
     ledger.counts["orders_achieved"] = int(achieved)
     for code, (name, text) in _BROKEN.items():
         for row, sagittal, lateral, context in [tuple(int(v) for v in s[1:]) for s in samples if s[0] == code][:3]:
@@ -161,7 +157,7 @@ def _check_liveness(
     use = np.ones(len(successors), np.bool_)
     component = components(first, successors, use)
     for number in np.flatnonzero(cyclic(first, successors, use, component))[:3]:
-        row = int(states[int(np.flatnonzero(component == number)[0])]) // 5
+        row = int(states[int(np.flatnonzero(component == number)[0])]) // BORDERS
         where = describe(claims, _core(table, row), int(table.contexts[row]))
         ledger.refuse("rules.md 5, goal", "the robot may walk for ever without achieving its order", where)
     ledger.counts["most_steps_an_order"] = int(_longest(first, successors, np.argsort(component, kind="stable")))
@@ -211,22 +207,34 @@ def _explore(
 ) -> tuple[Array, Array, Array, Array, Array, int]:
     """Return the reached states, edges without an achieved order, what is broken and where, and the orders achieved.
 
-    A state is row * 5 + the border last crossed.
+    A state is row * BORDERS + the border last crossed. Rows that the start does not lead to are followed too; which
+    border they crossed last is unknown.
     """
-    number = np.full(len(keys) * 5, -1, np.int32)
-    states = np.empty(len(keys) * 5, np.int64)
-    offsets = np.zeros(len(keys) * 5 + 1, np.int64)
+    number = np.full(len(keys) * BORDERS, -1, np.int32)
+    states = np.empty(len(keys) * BORDERS, np.int64)
+    offsets = np.zeros(len(keys) * BORDERS + 1, np.int64)
     edges = np.empty(max(16, len(keys) * 4), np.int64)
     broken = np.zeros(16, np.int64)
     samples = np.zeros((_KEPT * 16, 5), np.int64)
-    count, used, done, achieved_count = 0, 0, 0, 0
+    count, used, done, achieved_count, spare = 0, 0, 0, 0, 0
+    visited = np.zeros(len(keys), np.bool_)
     for row in starts:
-        if number[row * 5 + NOWHERE] < 0:
-            number[row * 5 + NOWHERE] = count
-            states[count] = row * 5 + NOWHERE
+        if not visited[row]:
+            visited[row] = True
+            number[row * BORDERS + NOWHERE] = count
+            states[count] = row * BORDERS + NOWHERE
             count += 1
-    while done < count:
-        row, last = states[done] // 5, states[done] % 5
+    while True:
+        if done == count:
+            while spare < len(keys) and visited[spare]:
+                spare += 1
+            if spare == len(keys):
+                break
+            visited[spare] = True
+            number[spare * BORDERS + UNKNOWN] = count
+            states[count] = spare * BORDERS + UNKNOWN
+            count += 1
+        row, last = states[done] // BORDERS, states[done] % BORDERS
         core = (cores[row, 0], cores[row, 1], cores[row, 2], cores[row, 3], cores[row, 4])
         context, action = contexts[row], actions[row]
         order = rules.order[context]
@@ -251,14 +259,15 @@ def _explore(
                         continue
                     if not achieved and following != context:
                         continue
-                    if not foreign_kept(rules, core_after, rules.order[following], border):
+                    if border != UNKNOWN and not foreign_kept(rules, core_after, rules.order[following], border):
                         _note(broken, samples, FOREIGN_BORDER, row, choice, aside, following)
                         continue
                     target = find(rules, keys, core_after, following)
                     if target < 0:
                         _note(broken, samples, NO_ROW, row, choice, aside, following)
                         continue
-                    code = target * 5 + border
+                    code = target * BORDERS + border
+                    visited[target] = True
                     if number[code] < 0:
                         number[code] = count
                         states[count] = code

@@ -267,8 +267,8 @@ def along(rules: Rules, kind: int, row: int, column: int) -> int:
     if up == 1:
         return column
     if up == 3:
-        return n - 1 - column
-    return row if up == 2 else n - 1 - row
+        return int(n - 1 - column)
+    return row if up == 2 else int(n - 1 - row)
 
 
 @njit(cache=True)

@@ -10,7 +10,7 @@ from surefoot.frames import Direction
 from surefoot.verify.artefacts import PlanFile
 from surefoot.verify.findings import Ledger
 from surefoot.verify.scenario import HEADINGS, TURNS, WALKING_KEYS
-from surefoot.verify.scene import STOP, Cell, Context, Scene, fine_distance_m
+from surefoot.verify.scene import Cell, Context, Scene, fine_distance_m
 from surefoot.verify.terrain import TOLERANCE_M, CellProfile
 from surefoot.verify.values import Fields
 
@@ -32,6 +32,8 @@ class Claims:
         goals: cells in the order of visiting.
         obstacle: where the obstacle starts; None without one.
         walking: the numbers of the ``walking`` block.
+        apex_speeds: least and most.
+        straight: lengths of the straight moves, in fine cells.
         turns: lengths of the steps of a turn of type A and of type B, in fine cells.
     """
 
@@ -44,6 +46,7 @@ class Claims:
     goals: tuple[Cell, ...]
     obstacle: Cell | None
     walking: dict[str, float]
+    apex_speeds: tuple[float, float]
     straight: tuple[int, ...]
     turns: tuple[tuple[float, ...], tuple[float, ...]]
 
@@ -91,6 +94,7 @@ def compare(plan: PlanFile, scene: Scene, ledger: Ledger) -> Claims:
         goals=fields.cells("goals"),
         obstacle=_compare_obstacles(fields, scene, ledger),
         walking=walking,
+        apex_speeds=_pair(scene.scenario.walking["apex_speed_mps"]),
         straight=straight,
         turns=turns,
     )
@@ -141,7 +145,7 @@ def _compare_walking(
         if len(found) != len(expected) or any(
             not math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-12) for a, b in zip(found, expected, strict=True)
         ):
-            ledger.refuse(rule, f"is {own} by the scenario", f"plan.json walking.{name}")
+            ledger.refuse(rule, f"is {own} by the scenario, not {walking.get(name)}", f"plan.json walking.{name}")
         if not isinstance(own, tuple):
             numbers[name] = float(own)
     fine_m = scene.frame.cell_size_m / numbers["fine_cells"]
@@ -266,10 +270,8 @@ def _compare_places(claims: Claims, moved_m: float, scene: Scene, ledger: Ledger
         ledger.refuse("formats.md 1, goals", "are not the scenario's goals", "plan.json goals")
 
 
-def allowed_next(claims: Claims, kind: int, last: int) -> list[int]:
-    """Return the contexts that may follow in a cell of a kind after moving in a direction (rules.md 5)."""
-    return [
-        index
-        for index, (here, order, _) in enumerate(claims.contexts)
-        if here == kind and (order == STOP or order != (last + 2) % 4)
-    ]
+def _pair(values: float | tuple[float, ...]) -> tuple[float, float]:
+    """Return two numbers of the walking block."""
+    if not isinstance(values, tuple):
+        raise TypeError(values)
+    return values[0], values[1]

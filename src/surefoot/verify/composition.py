@@ -30,7 +30,7 @@ def check_composition(scene: Scene, claims: Claims, play: Play, table: ActionTab
     up among the contexts.
     """
     stages, first, successors = _stages(play)
-    contexts = np.array([_context(scene, claims, stage) for stage in stages], np.int64)
+    contexts = np.array([context_of(scene, claims, stage[0], stage[2]) for stage in stages], np.int64)
     for stage, context in zip(stages, contexts, strict=True):
         if context < 0:
             text = (
@@ -86,9 +86,9 @@ def _fine_order(order: int) -> int:
     return STOP if order >= WAIT else order
 
 
-def _context(scene: Scene, claims: Claims, stage: Stage) -> int:
-    """Return the context of a stage, -1 where the action game admits none."""
-    cell, order = scene.cell(stage[0]), _fine_order(stage[2])
+def context_of(scene: Scene, claims: Claims, cell_index: int, navigation_order: int) -> int:
+    """Return the context of an order of the navigation game, -1 where the action game admits none."""
+    cell, order = scene.cell(cell_index), _fine_order(navigation_order)
     there = cell if order == STOP else scene.target(cell, Direction(order))
     context = (claims.kinds[cell], order, claims.kinds.get(there, -1))
     return claims.contexts.index(context) if context in claims.contexts else -1

@@ -10,7 +10,7 @@ from surefoot.verify.action import ActionTable, check_action, read_action_table
 from surefoot.verify.artefacts import PlanFile, read_plan
 from surefoot.verify.belief import Obstacle
 from surefoot.verify.claims import Claims, compare
-from surefoot.verify.composition import check_composition
+from surefoot.verify.composition import check_composition, context_of
 from surefoot.verify.findings import Ledger
 from surefoot.verify.navigation import Table, check_liveness, explore, read_table
 from surefoot.verify.scenario import read_scenario
@@ -68,6 +68,8 @@ def _check_games(
         check_liveness(scene, obstacle, play, ledger)
         if claims.obstacle is not None:
             check_true_obstacle(scene, obstacle, play, scene.index(claims.obstacle), ledger)
-    check_action(scene, claims, action, ledger)
+    order = int(play.orders[0])
+    first = context_of(scene, claims, play.decisions[0].cell, order) if order >= 0 else -1
+    check_action(claims, action, [first] if first >= 0 else [], ledger)
     if play.closed:
         check_composition(scene, claims, play, action, ledger)

@@ -189,7 +189,7 @@ def _walking(fields: Fields, cell_size_m: float) -> dict[str, float | tuple[floa
     found: dict[str, float | tuple[float, ...]] = {
         "fine_cells": fields.whole("fine_cells", max(1, math.floor(cell_size_m / 0.104 + 0.5)), least=1, most=1000),
         "turn_angle_deg": fields.number("turn_angle_deg", 22.5),
-        "straight_cells": fields.wholes("straight_cells") if fields.has("straight_cells") else (4, 3, 5),
+        "straight_cells": fields.wholes("straight_cells") if fields.has("straight_cells") else (4, 3, 2),
     }
     for name, default in (_WHOLE | _OUTCOMES).items():
         found[name] = fields.whole(name, default, least=0, most=1000)

@@ -74,6 +74,11 @@ class Flight:
         """Return the height at a point of the rectangle."""
         return self.base_m + self.part.riser_m * int((self.riser_positions() < self.along(x, y)).sum())
 
+    def before_m(self, along_m: float) -> float:
+        """Return the height just before a place along the stairs: a riser there belongs to what lies above."""
+        risers = self.riser_positions() < along_m - TOLERANCE_M
+        return self.base_m + self.part.riser_m * int(risers.sum())
+
 
 @dataclass(frozen=True, slots=True)
 class Terrain:
@@ -171,17 +176,17 @@ def _profile(terrain: Terrain, cell: tuple[int, int], flight: Flight, fine_cells
         step = along_m - size_m / 2
         return middle[0] + columns * step, middle[1] - rows * step
 
-    def height(along_m: float) -> float:
-        return _height(terrain.floors, terrain.flights, *point(along_m))
-
-    inset = min(SLACK_CELLS * size_m, RISER_CLEARANCE_M / 2)
-    entry, leave = height(inset), height(size_m - inset)
+    entry, leave = (flight.before_m(flight.along(*point(end))) for end in (0.0, size_m))
     centers = [(index + 0.5) * size_m / fine_cells for index in range(fine_cells)]
+    heights = [flight.before_m(flight.along(*point(center))) for center in centers]
+    found = [_height(terrain.floors, terrain.flights, *point(center)) for center in centers]
+    if not np.allclose(heights, found, rtol=0, atol=TOLERANCE_M):
+        raise InputError(f"the floor of cell {cell} beside the stairs does not continue them", key="heights.stairs")
     risers = flight.riser_positions()
     gaps = [float(np.abs(risers - flight.along(*point(center))).min()) for center in centers]
     profile = CellProfile(
         up,
-        tuple(height(center) - entry for center in centers),
+        tuple(height - entry for height in heights),
         leave - entry,
         tuple(gap >= RISER_CLEARANCE_M - 1e-9 for gap in gaps),
     )
@@ -265,19 +270,19 @@ def _base_m(flight: Flight, floors: tuple[tuple[Rectangle, float], ...], size_m:
 
 
 def _check_risers(flight: Flight, frame: GridFrame, key: str) -> None:
-    """Refuse risers outside the rectangle or close to a cell border."""
+    """Refuse risers outside the rectangle or close to a border with a cell outside the stairs."""
     risers = flight.riser_positions()
     if risers[-1] > flight.length_m() + TOLERANCE_M:
         raise InputError("the risers do not fit into the rectangle", key=key)
     west, south, east, north = flight.square
-    up = flight.part.up
+    up, size_m = flight.part.up, frame.cell_size_m
     edge = {Direction.NORTH: south, Direction.EAST: west, Direction.SOUTH: -north}.get(up, -east)
     corner = frame.north_west_m[1 if up in (Direction.NORTH, Direction.SOUTH) else 0]
-    zero = corner if up in (Direction.NORTH, Direction.EAST) else -corner
-    offsets = (risers + edge - zero) / frame.cell_size_m
-    gaps = np.abs(offsets - np.round(offsets)) * frame.cell_size_m
-    if bool((gaps < RISER_CLEARANCE_M - 1e-9).any()):
-        raise InputError("a riser stands closer than 0.10 m to a cell border", key=key)
+    edge -= corner if up in (Direction.NORTH, Direction.EAST) else -corner
+    first = math.floor(edge / size_m + SLACK_CELLS) * size_m - edge
+    last = math.ceil((edge + flight.length_m()) / size_m - SLACK_CELLS) * size_m - edge
+    if min(risers[0] - first, last - risers[-1]) < RISER_CLEARANCE_M - 1e-9:
+        raise InputError("a riser stands closer than 0.10 m to the border with a cell outside the stairs", key=key)
 
 
 def _overlaps(one: Rectangle, other: Rectangle, size_m: float) -> bool:

@@ -17,7 +17,7 @@ from surefoot.viewer.style import BLOCKED, UNKNOWN, WALL
 from surefoot.world import CoarseGrid, OccupancyMap
 
 _PIXEL_COLOURS = ListedColormap(["#ffffff00", UNKNOWN, WALL])
-_MARGIN = 0.6
+_MARGIN = 0.5
 
 
 def points_m(grid: CoarseGrid, places: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -66,20 +66,29 @@ def draw_lines(axes: Axes, grid: CoarseGrid) -> None:
     axes.add_collection(LineCollection(list(lines), colors="#8a8a8a", linewidths=0.5, zorder=2))
 
 
-def number_cells(axes: Axes, grid: CoarseGrid) -> None:
+def number_cells(axes: Axes, grid: CoarseGrid, *, whole: bool = False) -> None:
     """Write rows and columns along the northern and western borders of what is shown."""
-    west, north, east, south = _window(grid)
+    west, north, east, south = _window(grid, whole=whole)
     step = max(1, round(max(grid.rows, grid.columns) / 24))
-    looks = {"ha": "center", "va": "center", "fontsize": 7, "color": "#444444", "zorder": 6, "clip_on": True}
+    looks: dict[str, Any] = {
+        "ha": "center",
+        "va": "center",
+        "fontsize": 7,
+        "color": "#444444",
+        "zorder": 6,
+        "clip_on": True,
+    }
     for row in range(north, south, step):
-        axes.text(*points_m(grid, np.array([west - 0.3, row + 0.5])), f"r{row}", **looks)
+        x, y = points_m(grid, np.array([west - 0.3, row + 0.5]))
+        axes.text(x, y, f"r{row}", **looks)
     for column in range(west, east, step):
-        axes.text(*points_m(grid, np.array([column + 0.5, north - 0.3])), f"c{column}", **looks)
+        x, y = points_m(grid, np.array([column + 0.5, north - 0.3]))
+        axes.text(x, y, f"c{column}", **looks)
 
 
-def frame(axes: Axes, grid: CoarseGrid, *, margin: float = _MARGIN, labels: bool = True) -> None:
-    """Show the free cells and those next to them, with a margin (in cells), in metres of the map."""
-    points = points_m(grid, _box(grid, margin))
+def frame(axes: Axes, grid: CoarseGrid, *, margin: float = _MARGIN, labels: bool = True, whole: bool = False) -> None:
+    """Show the free cells and those next to them, or the whole grid, with a margin (in cells), in metres of the map."""
+    points = points_m(grid, _box(grid, margin, whole=whole))
     axes.set_aspect("equal")
     axes.set_xlim(points[:, 0].min(), points[:, 0].max())
     axes.set_ylim(points[:, 1].min(), points[:, 1].max())
@@ -91,24 +100,24 @@ def frame(axes: Axes, grid: CoarseGrid, *, margin: float = _MARGIN, labels: bool
         axes.set_yticks([])
 
 
-def size_in(grid: CoarseGrid, *, most: float, margin: float = _MARGIN) -> tuple[float, float]:
+def size_in(grid: CoarseGrid, *, most: float, margin: float = _MARGIN, whole: bool = False) -> tuple[float, float]:
     """Return width and height in inches of a panel that shows the grid, its longer side as given."""
-    spans = np.ptp(points_m(grid, _box(grid, margin)), axis=0)
+    spans = np.ptp(points_m(grid, _box(grid, margin, whole=whole)), axis=0)
     width, height = most * spans / spans.max()
     return float(width), float(height)
 
 
-def _window(grid: CoarseGrid) -> tuple[int, int, int, int]:
-    """Return west, north, east, south of the free cells and their neighbours, in cells."""
+def _window(grid: CoarseGrid, *, whole: bool) -> tuple[int, int, int, int]:
+    """Return west, north, east, south of what is shown, in cells."""
     rows, columns = np.flatnonzero(grid.free.any(axis=1)), np.flatnonzero(grid.free.any(axis=0))
-    if not rows.size:
+    if whole or not rows.size:
         return 0, 0, grid.columns, grid.rows
     west, north = max(0, int(columns[0]) - 1), max(0, int(rows[0]) - 1)
     return west, north, min(grid.columns, int(columns[-1]) + 2), min(grid.rows, int(rows[-1]) + 2)
 
 
-def _box(grid: CoarseGrid, margin: float) -> NDArray[np.float64]:
+def _box(grid: CoarseGrid, margin: float, *, whole: bool) -> NDArray[np.float64]:
     """Return the corners of what is shown, in cells from the grid's north-western corner."""
-    west, north, east, south = _window(grid)
+    west, north, east, south = _window(grid, whole=whole)
     low_x, low_y, high_x, high_y = west - margin, north - margin, east + margin, south + margin
     return np.array([(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)])

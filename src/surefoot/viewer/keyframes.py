@@ -82,7 +82,7 @@ def _draw_speeds(axes: Axes, steps: Sequence[Step], walking: dict[str, Any]) -> 
     axes.axhline(walking.get("steering_speed_max_mps", np.nan), color=style.GREEN, lw=1.0, ls="--", zorder=2)
     numbers = np.arange(len(steps))
     switch = [float(turned(step, np.array(step.switch_velocity_mps))[0]) for step in steps]
-    axes.plot(numbers, switch, "x", ms=0.6 * _marker(steps), mew=0.9, color=style.BOUND, zorder=3)
+    axes.plot(numbers, switch, "x", ms=max(3.0, 0.6 * _marker(steps)), mew=0.7, color=style.BOUND, zorder=3)
     axes.plot(
         numbers, [step.next_apex_speed_mps for step in steps], ".", ms=_marker(steps), color=style.BLACK, zorder=4
     )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
 
 from surefoot.viewer import style
 
@@ -20,10 +22,11 @@ def mark_robot(axes: Axes, at_m: Place, yaw_rad: float, *, colour: str, size: fl
 
 def mark_goals(axes: Axes, places_m: Iterable[Place], *, size: float) -> None:
     """Draw goals as stars with their numbers, counted from 1."""
-    bold = {"fontsize": 9, "fontweight": "bold", "color": "#00523b"}
+    outline = [withStroke(linewidth=2.5, foreground="white")]
+    bold: dict[str, Any] = {"fontsize": 9, "fontweight": "bold", "color": "#00523b", "path_effects": outline}
     for number, place in enumerate(places_m, 1):
         axes.plot(*place, marker="*", ms=size, color=style.GOAL, mec="white", mew=0.8, zorder=8)
-        axes.annotate(str(number), place, (0.35 * size, 0.3 * size), textcoords="offset points", zorder=9, **bold)
+        axes.annotate(str(number), place, (0.35 * size, 0.3 * size), textcoords="offset points", zorder=11, **bold)
 
 
 def mark_obstacle(axes: Axes, at_m: Place, *, size: float, seen: bool = True) -> None:

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from surefoot.frames import Cell, Direction
-from surefoot.missions.run_log import Step
+from surefoot.missions.run_log import Run, Step
 from surefoot.viewer import style
 from surefoot.viewer.ground import draw_blocked, draw_lines, draw_pixels, frame, number_cells, size_in
 from surefoot.viewer.marks import mark_goals, mark_robot
@@ -36,13 +36,14 @@ def draw_path(source: RunSource, path: Path) -> Path:
         _draw_feet(axes, run.steps, plan.document.get("robot", {}))
         _draw_com(axes, run.steps)
         _draw_start(axes, source)
+        unsafe = _draw_unsafe(axes, run)
         mark_goals(axes, map(grid.center_m, plan.cells("goals")), size=13)
         frame(axes, grid)
         seconds = run.end.time_s if run.end else run.steps[-1].time_s if run.steps else 0.0
         axes.set_title(
             f"{len(run.steps)} walking steps in {seconds:.0f} s, obstacles {run.header.policy}, seed {run.header.seed}"
         )
-        style.legend_outside(figure, _legend(), columns=4)
+        style.legend_outside(figure, [*_legend(), *unsafe], columns=4)
     return path
 
 
@@ -55,6 +56,15 @@ def _draw_start(axes: Axes, source: RunSource) -> None:
     elif turns:
         yaw_rad = Direction[turns[0].heading.upper()].yaw_rad + grid.rotation_rad
         mark_robot(axes, grid.center_m(Cell(*turns[0].cell)), yaw_rad, colour=style.BLACK, size=12)
+
+
+def _draw_unsafe(axes: Axes, run: Run) -> list[Any]:
+    """Draw where the robot stopped because no step was safe; return what the legend says about it."""
+    looks: dict[str, Any] = {"marker": "X", "ms": 11, "color": style.RIGHT, "mec": "white", "ls": ""}
+    if not run.unsafe or not run.steps:
+        return []
+    axes.plot(*run.steps[-1].next_waypoint_m[:2], zorder=12, **looks)
+    return [Line2D([], [], label="stopped: no step was safe", **looks)]
 
 
 def _draw_com(axes: Axes, steps: Iterable[Step]) -> None:
@@ -82,7 +92,8 @@ def footprint(center_m: Sequence[float], yaw_rad: float, half_m: tuple[float, fl
     """Return the corners of a foot's sole, shape (4, 2)."""
     along = np.array([math.cos(yaw_rad), math.sin(yaw_rad)]) * half_m[0]
     aside = np.array([-math.sin(yaw_rad), math.cos(yaw_rad)]) * half_m[1]
-    return np.asarray(center_m[:2]) + np.array([along + aside, along - aside, -along - aside, aside - along])
+    corners = np.array([along + aside, along - aside, -along - aside, aside - along])
+    return np.asarray(corners + np.asarray(center_m[:2], np.float64))
 
 
 def _legend() -> list[Any]:

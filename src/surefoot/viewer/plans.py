@@ -42,6 +42,7 @@ class Layout:
         start_m: where the robot stands at first.
         forbidden: free cells that the first obstacle never enters.
         title: above the picture.
+        whole: whether the whole grid is shown, or only what is near free cells.
     """
 
     scenario: Scenario
@@ -50,6 +51,7 @@ class Layout:
     start_m: tuple[float, float]
     forbidden: frozenset[Cell]
     title: str
+    whole: bool = False
 
 
 def draw_plan(plan_dir: Path, out: Path) -> tuple[Path, ...]:
@@ -63,7 +65,7 @@ def draw_plan(plan_dir: Path, out: Path) -> tuple[Path, ...]:
         grid=source.grid,
         start_m=source.grid.center_m(start[0]) if start else source.scenario.start.position_m,
         forbidden=frozenset(source.grid.free_cells()) - domain if domain else frozenset(),
-        title=f"plan {source.folder.name}",
+        title=f"plan in {source.folder.name}/",
     )
     return (draw_layout(layout, out / "plan.png"),)
 
@@ -80,13 +82,15 @@ def draw_scenario(scenario_path: Path, out: Path) -> tuple[Path, ...]:
         for cell in grid.wholly_inside(area.rectangle_m)
         if grid.is_free(cell)
     }
-    layout = Layout(scenario, occupancy, grid, scenario.start.position_m, frozenset(barred), scenario_path.name)
+    layout = Layout(
+        scenario, occupancy, grid, scenario.start.position_m, frozenset(barred), scenario_path.name, whole=True
+    )
     return (draw_layout(layout, out / f"{scenario_path.stem}.png"),)
 
 
 def draw_layout(layout: Layout, path: Path) -> Path:
     """Draw a scenario's grid with all that is placed on it."""
-    width, height = size_in(layout.grid, most=9.5)
+    width, height = size_in(layout.grid, most=9.5, whole=layout.whole)
     with style.pictured(path, max(width + 0.8, 6.0), height + 1.5) as figure:
         _draw(figure, layout)
     return path
@@ -115,10 +119,10 @@ def _draw(figure: Figure, layout: Layout) -> None:
     handles = _draw_regions(axes, layout)
     fill_cells(axes, grid, layout.forbidden, facecolor="none", edgecolor=style.OBSTACLE, hatch="xx", lw=0, zorder=0.8)
     draw_lines(axes, grid)
-    number_cells(axes, grid)
+    number_cells(axes, grid, whole=layout.whole)
     handles += _draw_heights(axes, layout)
     _draw_places(axes, layout)
-    frame(axes, grid)
+    frame(axes, grid, whole=layout.whole)
     free = int(grid.free.sum())
     axes.set_title(f"{layout.title}: {free} free cells of {grid.cell_size_m:g} m")
     style.legend_outside(figure, [*_legend(scenario, forbidden=bool(layout.forbidden)), *handles], columns=4)
@@ -142,7 +146,7 @@ def _draw_heights(axes: Axes, layout: Layout) -> list[Any]:
         for area in floor.rectangles_m:
             corners = _corners(grid, area)
             axes.add_collection(PolyCollection([corners], facecolors="none", edgecolors=style.BLUE, lw=1.6, zorder=3))
-            looks = {"fontsize": 8, "color": style.BLUE, "ha": "right", "va": "bottom", "zorder": 9}
+            looks: dict[str, Any] = {"fontsize": 8, "color": style.BLUE, "ha": "right", "va": "bottom", "zorder": 9}
             axes.annotate(f"{floor.height_m:g} m", corners[2], (-3, 3), textcoords="offset points", **looks)
     for stairs in heights.stairs:
         corners = _corners(grid, stairs.rectangle_m)
@@ -201,6 +205,6 @@ def _legend(scenario: Scenario, *, forbidden: bool) -> list[Any]:
     if scenario.obstacles:
         handles.append(Line2D([], [], ls="", marker="o", ms=9, color=style.OBSTACLE, label="obstacle at the start"))
     if forbidden:
-        hatched = {"facecolor": "none", "edgecolor": style.OBSTACLE, "hatch": "xxx", "lw": 0}
+        hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": style.OBSTACLE, "hatch": "xxx", "lw": 0}
         handles.append(Patch(label="obstacle never here", **hatched))
     return handles

@@ -20,10 +20,10 @@ YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 
 LEFT, RIGHT = BLUE, VERMILION
 OBSTACLE, GOAL, BELIEF, BOUND = PURPLE, GREEN, ORANGE, "#555555"
-WALL, UNKNOWN, BLOCKED, UNSEEN = "#3b3b3b", "#b9b9b9", "#d9d9d9", "#c4ccd4"
+WALL, UNKNOWN, BLOCKED, UNSEEN = "#595959", "#b9b9b9", "#d9d9d9", "#c4ccd4"
 REGIONS = (SKY, YELLOW, ORANGE, GREEN, PURPLE, VERMILION, BLUE)
 
-_SETTINGS = {
+_SETTINGS: dict[Any, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 10.0,
     "axes.labelsize": 9.0,

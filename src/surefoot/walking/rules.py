@@ -12,7 +12,14 @@ from typing import NamedTuple
 
 from numba import njit
 
-from surefoot.walking.pendulum import next_lateral_foot, propagate, switch_position, switch_speed, time_to, time_to_apex
+from surefoot.walking.pendulum import (
+    growth_to,
+    growth_to_apex,
+    next_lateral_foot,
+    propagate,
+    switch_position,
+    switch_speed,
+)
 from surefoot.walking.theorems import apex_margin, heading_margin
 
 SLACK = 1e-9  # margins have to exceed it, so that another rounding of the same numbers still finds them not negative
@@ -39,7 +46,6 @@ REASONS = {
     Rule.FOOT_SIDE: "the next foot would not be on its own side of the centre of mass",
     Rule.SAFETY_DISTANCE: "the next foot would be farther from the waypoint than the safety distance",
     Rule.NEXT_HEADING: "the next apex would break Theorem IV.2 for a turn that may be commanded there",
-    Rule.NEXT_STEP: "the next apex would leave no safe step for a command that may follow",
 }
 
 
@@ -67,11 +73,14 @@ class Apex(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """What a next apex speed leads to, in the frame of the step; ``broken`` is the first rule that it breaks."""
+    """What a next apex speed leads to, in the frame of the step.
+
+    ``broken`` is the first rule that it breaks; ``growth`` and ``next_growth`` are e^(omega t) of the halves.
+    """
 
     broken: int
-    first_half_s: float
-    second_half_s: float
+    growth: float
+    next_growth: float
     switch_m: float
     switch_left_m: float
     switch_speed_mps: float
@@ -104,9 +113,9 @@ def sagittal_candidate(apex: Apex, length_m: float, next_speed_mps: float, limit
     fast = switch_speed(apex.com_m, speed, apex.foot_m, at, omega)
     if not fast <= limits.switch_speed_max_mps - SLACK:
         return Candidate(3, 0.0, 0.0, at, 0.0, fast, 0.0, 0.0, 0.0)
-    first = time_to(apex.com_m, speed, apex.foot_m, at, fast, omega)
-    second = time_to_apex(at, length_m, next_speed_mps, omega)
-    return Candidate(0, first, second, at, 0.0, fast, 0.0, 0.0, 0.0)
+    growth = growth_to(apex.com_m, speed, apex.foot_m, at, fast, omega)
+    next_growth = growth_to_apex(at, length_m, next_speed_mps, omega)
+    return Candidate(0, growth, next_growth, at, 0.0, fast, 0.0, 0.0, 0.0)
 
 
 @njit(cache=True)
@@ -114,13 +123,13 @@ def lateral_candidate(apex: Apex, com_left_m: float, sagittal: Candidate, limits
     """Complete a sagittal candidate with its lateral half; the CoM starts at ``com_left_m``."""
     omega = limits.omega_radps
     speed = -apex.speed_mps * math.sin(apex.heading_change_rad)
-    left, left_speed = propagate(com_left_m, speed, apex.foot_left_m, omega, sagittal.first_half_s)
-    foot, com = next_lateral_foot(left, left_speed, sagittal.second_half_s, omega)
+    left, left_speed = propagate(com_left_m, speed, apex.foot_left_m, omega, sagittal.growth)
+    foot, com = next_lateral_foot(left, left_speed, sagittal.next_growth, omega)
     broken = 0 if -apex.side * (foot - com) > SLACK else 4
     return Candidate(
         broken,
-        sagittal.first_half_s,
-        sagittal.second_half_s,
+        sagittal.growth,
+        sagittal.next_growth,
         sagittal.switch_m,
         left,
         sagittal.switch_speed_mps,
@@ -128,3 +137,10 @@ def lateral_candidate(apex: Apex, com_left_m: float, sagittal: Candidate, limits
         foot,
         com,
     )
+
+
+@njit(cache=True)
+def full_candidate(apex: Apex, length_m: float, next_speed_mps: float, limits: Limits) -> Candidate:
+    """Check a candidate from an apex whose CoM is known, all but the safety distance and what comes next."""
+    sagittal = sagittal_candidate(apex, length_m, next_speed_mps, limits)
+    return sagittal if sagittal.broken else lateral_candidate(apex, apex.com_left_m, sagittal, limits)

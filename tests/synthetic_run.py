@@ -177,7 +177,7 @@ class Walker:
         """Return the cost of Algorithm 1 with the papers' weights."""
         dy1, dy2 = (0.0 if turning else -0.1 * self.side), -0.135 * self.side
         weights = (7, 4) if turning else (1, 1)
-        return weights[0] * abs(step["dy1_m"] - dy1) + weights[1] * abs(step["dy2_m"] - dy2)
+        return float(weights[0] * abs(step["dy1_m"] - dy1) + weights[1] * abs(step["dy2_m"] - dy2))
 
     def candidate(self, change_rad: float, length_m: float, speed: float) -> dict[str, Any] | None:
         """Return the fields of a step to an apex speed, None when the orbits do not meet between the apexes."""

@@ -1,0 +1,98 @@
+"""Verifies a run folder: its plan's claims, the games that it plays, and every step that it walks."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+from surefoot.verify.action import read_action_table
+from surefoot.verify.belief import Obstacle
+from surefoot.verify.findings import Ledger
+from surefoot.verify.footing import check_feet, check_supports
+from surefoot.verify.motion import check_motion
+from surefoot.verify.navigation import read_table
+from surefoot.verify.plan_check import open_plan
+from surefoot.verify.replay import Replayed, replay
+from surefoot.verify.run_file import End, RunFile, Step, Turn, Unsafe, read_run
+
+
+def check_run(folder: Path, ledger: Ledger) -> None:
+    """Verify a run folder.
+
+    Raises:
+        InputError: a file is missing, truncated, stale or malformed.
+    """
+    run = read_run(folder)
+    opened = open_plan(run.plan_folder, ledger)
+    if ledger.total:
+        return
+    scene, claims = opened.scene, opened.claims
+    obstacle, table = Obstacle(scene), read_table(opened.plan, scene, ledger)
+    actions = read_action_table(opened.plan, claims, ledger)
+    if ledger.total or actions is None:
+        return
+    _count_records(run, ledger)
+    done = replay(scene, claims, obstacle, table, actions, run.records, ledger)
+    check_motion(scene, claims, done.walked, ledger)
+    check_feet(scene, done.walked, ledger)
+    check_supports(scene, done.walked, ledger)
+    ledger.counts["goals_reached"] = done.goals_reached
+    ledger.counts["turns"] = done.quarter_turns
+    _check_times(run, ledger)
+    _check_end(run.end, done, run, ledger)
+
+
+def _count_records(run: RunFile, ledger: Ledger) -> None:
+    """Count what the records say by themselves; collisions and unsafe stops are refused."""
+    steps = [record for record in run.records if isinstance(record, Step)]
+    turns = [record for record in run.records if isinstance(record, Turn)]
+    unsafe = [record for record in run.records if isinstance(record, Unsafe)]
+    met = [record.line for record in turns if record.cell in record.obstacles]
+    for before, after in pairwise(turns):
+        entered = before.cell in after.obstacles and before.cell != after.cell
+        if entered and after.line not in met:
+            met.append(after.line)
+    for line in met:
+        text = "robot and obstacle share a cell, or the obstacle enters the cell that the robot has just left"
+        ledger.refuse("rules.md 4, collision", text, f"run.jsonl line {line}")
+    for record in unsafe:
+        ledger.refuse("rules.md 6, unsafe step", "no step satisfied the theorems", f"run.jsonl line {record.line}")
+    ledger.counts["steps"] = len(steps)
+    ledger.counts["turns_coarse"] = len(turns)
+    ledger.counts["collisions"] = len(met)
+    ledger.counts["unsafe_steps"] = len(unsafe)
+    ledger.counts["waypoint_corrections"] = sum(record.lateral != 0 for record in steps)
+    ledger.counts["complete"] = run.end is not None
+
+
+def _check_times(run: RunFile, ledger: Ledger) -> None:
+    """Refuse time that runs backwards."""
+    last = 0.0
+    for record in run.records:
+        if isinstance(record, Turn | Step):
+            if record.time_s < last - 1e-6:
+                ledger.refuse("formats.md 3, time_s", "runs backwards", f"run.jsonl line {record.line}")
+            last = record.time_s
+
+
+def _check_end(end: End | None, done: Replayed, run: RunFile, ledger: Ledger) -> None:
+    """Compare the end record with what was counted; a log without one is incomplete."""
+    if end is None:
+        ledger.refuse(
+            "formats.md 3, end record", "is missing: the log is incomplete, and was checked as far as it goes"
+        )
+        return
+    if not done.whole:
+        return
+    where = f"run.jsonl line {end.line}"
+    last = max((r.time_s for r in run.records if isinstance(r, Turn | Step)), default=0.0)
+    own = {
+        "steps": (end.steps, len(done.walked)),
+        "turns_coarse": (end.turns_coarse, done.turns),
+        "goals_reached": (list(end.goals_reached), done.goals_reached),
+    }
+    for name, (found, counted) in own.items():
+        if found != counted:
+            ledger.refuse("formats.md 3, end record", f"{name} is {counted}, not {found}", where)
+    if end.time_s < last - 1e-6:
+        ledger.refuse("formats.md 3, end record", "time_s lies before the last record", where)

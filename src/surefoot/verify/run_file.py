@@ -1,0 +1,242 @@
+"""Reads run logs, from formats.md 3: one record a line, checked for kind, keys and types."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surefoot.errors import InputError
+from surefoot.frames import Direction
+from surefoot.verify.artefacts import check_kind, checked_file, parse_json, read_bytes
+from surefoot.verify.scenario import HEADINGS
+from surefoot.verify.values import Fields
+
+Vector = NDArray[np.float64]
+Cell = tuple[int, int]
+_ORDERS = tuple(f"{verb} {name}" for verb in ("move", "wait") for name in HEADINGS)
+_POINTS = ("waypoint_m", "next_waypoint_m", "com_m", "next_com_m", "foot_m", "next_foot_m")
+_SWING = ("swing_from_m", "swing_velocity_mps", "swing_lift_m")
+_PLANE = ("velocity_mps", "next_velocity_mps", "switch_m", "switch_velocity_mps")
+_NUMBERS = (
+    "yaw_rad heading_change_rad length_m height_change_m omega_radps first_half_s second_half_s dy1_m dy2_m "
+    "apex_speed_mps next_apex_speed_mps"
+)
+NUMBERS = tuple(_NUMBERS.split())
+VECTORS = {**dict.fromkeys((*_POINTS, *_SWING), 3), **dict.fromkeys(_PLANE, 2)}
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A decision of the navigation strategy; order 0-3 is a move, 4-7 a wait."""
+
+    line: int
+    turn: int
+    time_s: float
+    cell: Cell
+    heading: Direction
+    goal: int
+    obstacles: tuple[Cell, ...]
+    visible: tuple[Cell, ...]
+    hidden: tuple[Cell, ...]
+    order: int
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """A double support: how long it lasts, and where the centre of mass rests at its far end."""
+
+    lasts_s: float
+    com_m: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A walking step; numbers and vectors are kept under the names of formats.md."""
+
+    line: int
+    step: int
+    turn: int
+    time_s: float
+    core: tuple[int, int, int, int, int]
+    context: int
+    action: int
+    sagittal: int
+    lateral: int
+    stance: int
+    numbers: dict[str, float]
+    vectors: dict[str, Vector]
+    next_heading_changes_rad: tuple[float, ...]
+    sign_alternates: bool
+    dy2_in_range: bool
+    rise: Support | None
+    rest: Support | None
+    closing_foot_m: Vector | None
+
+    @property
+    def duration_s(self) -> float:
+        """Return the time from apex to apex."""
+        return self.numbers["first_half_s"] + self.numbers["second_half_s"]
+
+
+@dataclass(frozen=True, slots=True)
+class Unsafe:
+    """The robot stopped because no step satisfied the theorems."""
+
+    line: int
+    step: int
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """What the run says of itself."""
+
+    line: int
+    steps: int
+    turns_coarse: int
+    goals_reached: tuple[int, ...]
+    time_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class RunFile:
+    """A run log.
+
+    Attributes:
+        plan_folder: the plan that was walked.
+        records: turns, steps and unsafe stops in the order of the file.
+        end: the end record; None when the log just ends.
+    """
+
+    plan_folder: Path
+    records: tuple[Turn | Step | Unsafe, ...]
+    end: End | None
+
+
+def read_run(folder: Path) -> RunFile:
+    """Read a run folder and check the hashes in its header.
+
+    Raises:
+        InputError: a line is truncated or malformed, or an input is missing or stale.
+    """
+    path = folder / "run.jsonl"
+    lines = read_bytes(path).splitlines()
+    if not lines:
+        raise InputError("is empty; it has to begin with a header", source=path)
+    header = _fields(lines[0], path, 1)
+    if header.text("record") != "header":
+        raise header.wrong("record", "has to be header in the first line")
+    plan_folder = _check_header(header, folder)
+    records: list[Turn | Step | Unsafe] = []
+    end = None
+    for number, text in enumerate(lines[1:], start=2):
+        if end is not None:
+            raise InputError("follows the end record, which has to be the last", source=path, line=number)
+        fields = _fields(text, path, number)
+        kind = fields.text("record", among=("turn", "step", "unsafe", "end"))
+        if kind == "end":
+            end = _end(fields, number)
+        else:
+            records.append(_record(kind, fields, number))
+    return RunFile(plan_folder, tuple(records), end)
+
+
+def _record(kind: str, fields: Fields, line: int) -> Turn | Step | Unsafe:
+    if kind == "turn":
+        return _turn(fields, line)
+    return _step(fields, line) if kind == "step" else _unsafe(fields, line)
+
+
+def _fields(text: bytes, path: Path, line: int) -> Fields:
+    return Fields.of(parse_json(text, path, line), path, line=line)
+
+
+def _check_header(header: Fields, folder: Path) -> Path:
+    """Check kind, format and hashes; return the folder of the plan."""
+    check_kind(header, "biped-run")
+    header.text("surefoot")
+    header.whole("steps", least=0)
+    header.whole("seed", least=-(2**63), most=2**64)
+    header.text("policy")
+    checked_file(header.mapping("scenario"), folder)
+    checked_file(header.mapping("map"), folder)
+    plan = header.mapping("plan")
+    given = folder / plan.text("path")
+    inside = given / "plan.json" if given.is_dir() else given
+    checked_file(Fields({**plan.values, "path": _relative(inside, folder)}, plan.source, plan.place, plan.line), folder)
+    return inside.parent
+
+
+def _relative(path: Path, folder: Path) -> str:
+    """Return a path below or beside a folder as text relative to it."""
+    return str(path.relative_to(folder)) if path.is_relative_to(folder) else str(path)
+
+
+def _turn(fields: Fields, line: int) -> Turn:
+    return Turn(
+        line=line,
+        turn=fields.whole("turn", least=0),
+        time_s=fields.number("time_s"),
+        cell=fields.cell("cell"),
+        heading=Direction(HEADINGS.index(fields.text("heading", among=HEADINGS))),
+        goal=fields.whole("goal", least=0),
+        obstacles=fields.cells("obstacles"),
+        visible=fields.cells("visible"),
+        hidden=fields.cells("hidden"),
+        order=_ORDERS.index(fields.text("order", among=_ORDERS)),
+    )
+
+
+def _step(fields: Fields, line: int) -> Step:
+    fine, outcome = fields.mapping("fine"), fields.mapping("outcome")
+    row, column, heading = (fine.whole(name, least=0, most=10_000) for name in ("row", "column", "heading"))
+    core = (row, column, heading, fine.whole("stance", least=0, most=1), fine.whole("mode", least=0, most=6))
+    return Step(
+        line=line,
+        step=fields.whole("step", least=0),
+        turn=fields.whole("turn", least=0),
+        time_s=fields.number("time_s"),
+        core=core,
+        context=fine.whole("context", least=0, most=32_767),
+        action=fields.whole("action", least=0, most=32_767),
+        sagittal=outcome.whole("sagittal", least=-10_000, most=10_000),
+        lateral=outcome.whole("lateral", least=-10_000, most=10_000),
+        stance=("left", "right").index(fields.text("stance", among=("left", "right"))),
+        numbers={name: fields.number(name) for name in NUMBERS},
+        vectors={name: np.array(fields.numbers(name, size)) for name, size in VECTORS.items()},
+        next_heading_changes_rad=fields.numbers("next_heading_changes_rad"),
+        sign_alternates=fields.flag("sign_alternates"),
+        dy2_in_range=fields.flag("dy2_in_range"),
+        rise=_support(fields, "rise"),
+        rest=_support(fields, "rest"),
+        closing_foot_m=np.array(fields.numbers("closing_foot_m", 3)) if _given(fields, "closing_foot_m") else None,
+    )
+
+
+def _given(fields: Fields, name: str) -> bool:
+    return fields.values.get(name) is not None
+
+
+def _support(fields: Fields, name: str) -> Support | None:
+    """Return the double support before a start or after a stop, when the record has one."""
+    if not _given(fields, f"{name}_s"):
+        return None
+    return Support(fields.number(f"{name}_s"), np.array(fields.numbers(f"{name}_com_m", 3)))
+
+
+def _unsafe(fields: Fields, line: int) -> Unsafe:
+    fields.text("reason")
+    fields.number("time_s")
+    return Unsafe(line, fields.whole("step", least=0))
+
+
+def _end(fields: Fields, line: int) -> End:
+    return End(
+        line=line,
+        steps=fields.whole("steps", least=0),
+        turns_coarse=fields.whole("turns_coarse", least=0),
+        goals_reached=fields.wholes("goals_reached"),
+        time_s=fields.number("time_s"),
+    )

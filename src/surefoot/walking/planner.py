@@ -1,0 +1,285 @@
+"""From a state and a command to a walking step: frames, Algorithm 1, double support."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surefoot.robots.biped import Biped
+from surefoot.walking.costs import Aim
+from surefoot.walking.decision import Choice, Freedom, choose
+from surefoot.walking.double_support import Support, duration_s, support_of
+from surefoot.walking.library import STOP_SPEED_MPS
+from surefoot.walking.parameters import WalkingParameters
+from surefoot.walking.risk import READY, STANDING, START_OFFSETS_M, WALKING, RiskTable, risk_table, turn_node
+from surefoot.walking.rules import REASONS, Apex, Limits, Rule
+from surefoot.walking.state import Point, StepCommand, StepKind, Unsafe, WalkingState
+from surefoot.walking.step import WalkingStep
+
+SPEED_STEP_MPS = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Rulebook:
+    """What a walk's parameters mean for the compiled code; made once for a walk.
+
+    Attributes:
+        limits: of the hard rules.
+        straight: costs of straight steps, and of the last step of a turn.
+        steering: costs of the other turn steps.
+        risks: of the apexes.
+        speeds_mps: apex speeds of straight steps.
+        steering_speeds_mps: apex speeds of turn steps.
+        corrections_cells: of the last turn step, least first.
+        dy2_range_m: Def. V.2.
+    """
+
+    limits: Limits
+    straight: Aim
+    steering: Aim
+    risks: RiskTable
+    speeds_mps: NDArray[np.float64]
+    steering_speeds_mps: NDArray[np.float64]
+    corrections_cells: NDArray[np.int64]
+    dy2_range_m: tuple[float, float]
+
+
+@lru_cache(maxsize=8)
+def rulebook(parameters: WalkingParameters, robot: Biped) -> Rulebook:
+    """Return the numbers of a walk in the form that Algorithm 1 takes; the first call for a walk takes a few seconds."""
+    p, omega = parameters, robot.omega_radps
+    common = (p.dy2_m, p.desired_duration_s, p.desired_width_m)
+    straight = Aim(p.dy1_m, *common, *p.cost_straight, p.fine_cell_m)
+    steering = Aim(0.0, *common, *p.cost_steering, p.fine_cell_m)
+    limits = Limits(omega, p.switch_speed_max_mps, p.safety_distance_m)
+    low, high = p.apex_speed_mps
+    tan, cells = math.tan(p.turn_rad), p.lateral_outcomes_cells
+    return Rulebook(
+        limits=limits,
+        straight=straight,
+        steering=steering,
+        risks=risk_table(p, limits, straight, steering),
+        speeds_mps=_speeds(low, high),
+        steering_speeds_mps=_speeds(low, min(high, p.steering_speed_max_mps)),
+        corrections_cells=np.array(sorted(range(-cells, cells + 1), key=abs), np.int64),
+        dy2_range_m=(high * tan / omega, low / (omega * tan)),
+    )
+
+
+def _speeds(low: float, high: float) -> NDArray[np.float64]:
+    count = math.floor((high - low) / SPEED_STEP_MPS + 1e-9)
+    return np.minimum(low + SPEED_STEP_MPS * np.arange(count + 1), high)
+
+
+def plan_step(
+    state: WalkingState, command: StepCommand, parameters: WalkingParameters, robot: Biped
+) -> WalkingStep | Unsafe:
+    """Plan one walking step.
+
+    Args:
+        state: where the robot is.
+        command: what the action game wants.
+        parameters: of the walk.
+        robot: its pendulum and feet.
+
+    Returns:
+        The step, or why there is none.
+
+    Source: Shamsah et al., T-RO 2023, Sections III-V; docs/rules.md, section 6.
+    """
+    starting = command.kind is StepKind.START
+    if starting != state.standing:
+        return Unsafe("a robot that stands has to start" if state.standing else "a robot that walks cannot start")
+    if command.heading_change_rad and command.kind is not StepKind.WALK:
+        return Unsafe("the heading cannot change in a start or a stop")
+    book = rulebook(parameters, robot)
+    frame = _Frame.of(state, command)
+    apex = Apex(
+        *frame.into(state.com_m),
+        *frame.into(state.stance_foot_m),
+        STOP_SPEED_MPS if starting else state.apex_speed_mps,
+        float(state.stance.side),
+        command.heading_change_rad,
+    )
+    if starting:
+        apex = apex._replace(com_m=0.0)
+    freedom = _freedom(command, apex, parameters, book)
+    steering = command.heading_change_rad != 0 and not command.last_turn_step
+    turn_step = min(state.turn_step + 1, parameters.turn_steps - 1) if steering else 0
+    choice = choose(
+        apex,
+        freedom,
+        np.array(command.next_heading_changes_rad, np.float64),
+        book.limits,
+        book.steering if steering else book.straight,
+        book.risks,
+        _next_node(command, state, turn_step, parameters),
+    )
+    if not choice.found:
+        return Unsafe(REASONS[Rule(choice.furthest)])
+    return _finished(state, command, parameters, robot, frame, apex, choice, freedom, book, turn_step)
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """The frame of a step: origin at the waypoint, x along the new heading."""
+
+    x: float
+    y: float
+    yaw_rad: float
+    cos: float
+    sin: float
+
+    @classmethod
+    def of(cls, state: WalkingState, command: StepCommand) -> _Frame:
+        yaw = math.remainder(state.yaw_rad + command.heading_change_rad, math.tau)
+        return cls(state.waypoint_m[0], state.waypoint_m[1], yaw, math.cos(yaw), math.sin(yaw))
+
+    def into(self, point_m: Point) -> tuple[float, float]:
+        dx, dy = point_m[0] - self.x, point_m[1] - self.y
+        return self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx
+
+    def out(self, ahead_m: float, left_m: float) -> tuple[float, float]:
+        return self.x + self.cos * ahead_m - self.sin * left_m, self.y + self.sin * ahead_m + self.cos * left_m
+
+    def turned(self, ahead: float, left: float) -> tuple[float, float]:
+        return self.cos * ahead - self.sin * left, self.sin * ahead + self.cos * left
+
+
+def _next_node(command: StepCommand, state: WalkingState, turn_step: int, parameters: WalkingParameters) -> int:
+    """Return the node of the commands that may follow a step."""
+    if command.kind is StepKind.STOP:
+        return STANDING
+    if not turn_step:
+        return WALKING if 0.0 in command.next_heading_changes_rad else READY
+    away = command.heading_change_rad * state.stance.side < 0
+    return turn_node("A" if away == (turn_step % 2 == 1) else "B", turn_step, parameters.turn_steps)
+
+
+_NO_CORRECTION = np.zeros(1, np.int64)
+_STOP_SPEED = np.array([STOP_SPEED_MPS])
+
+
+def _freedom(command: StepCommand, apex: Apex, parameters: WalkingParameters, book: Rulebook) -> Freedom:
+    turning = command.heading_change_rad != 0
+    deviations = range(1, command.sagittal_outcomes_cells + 1) if not turning else ()
+    lengths = [command.length_m]
+    for cells in deviations:
+        lengths += [
+            command.length_m - cells * parameters.fine_cell_m,
+            command.length_m + cells * parameters.fine_cell_m,
+        ]
+    speeds = book.steering_speeds_mps if turning else book.speeds_mps
+    return Freedom(
+        np.array([length for length in lengths if length > 0.5 * parameters.fine_cell_m]),
+        _STOP_SPEED if command.kind is StepKind.STOP else speeds,
+        apex.foot_left_m - apex.side * START_OFFSETS_M
+        if command.kind is StepKind.START
+        else np.array([apex.com_left_m]),
+        book.corrections_cells if command.last_turn_step else _NO_CORRECTION,
+    )
+
+
+def _finished(
+    state: WalkingState,
+    command: StepCommand,
+    parameters: WalkingParameters,
+    robot: Biped,
+    frame: _Frame,
+    apex: Apex,
+    choice: Choice,
+    freedom: Freedom,
+    book: Rulebook,
+    turn_step: int,
+) -> WalkingStep | Unsafe:
+    """Return the chosen step in map coordinates."""
+    chosen = choice.candidate
+    omega, apex_height = robot.omega_radps, robot.apex_height_m
+    length = float(freedom.lengths_m[choice.length])
+    shift = choice.shift_cells * parameters.fine_cell_m
+    dy1, dy2 = chosen.next_com_left_m - shift, chosen.next_foot_left_m - chosen.next_com_left_m
+    floor = state.waypoint_m[2] + command.height_change_m
+    next_waypoint = (*frame.out(length, shift), floor)
+    next_foot = (*frame.out(length, chosen.next_foot_left_m), floor)
+    next_com = (*frame.out(length, chosen.next_com_left_m), floor + apex_height)
+    starting, stopping = command.kind is StepKind.START, command.kind is StepKind.STOP
+    com, rise_s, rest = state.com_m, None, None
+    if starting:
+        com = (*frame.out(0.0, choice.com_left_m), state.com_m[2])
+        support = _support(frame.into(state.stance_foot_m)[1], frame.into(state.other_foot_m)[1], robot)
+        rise_s = duration_s(support, STOP_SPEED_MPS, choice.com_left_m, frame.into(state.com_m)[1], omega)
+        if rise_s is None:
+            return Unsafe("no double support before the start keeps the centre of pressure between the feet")
+    if stopping:
+        rest = _rest(chosen.next_foot_left_m, chosen.next_com_left_m, -apex.side, parameters, robot)
+        if rest is None:
+            return Unsafe("no double support after the stop keeps the centre of pressure between the feet")
+    before = _offset(state)
+    sagittal = round((length - command.length_m) / parameters.fine_cell_m)
+    speed = apex.speed_mps * math.cos(command.heading_change_rad)
+    side_speed = -apex.speed_mps * math.sin(command.heading_change_rad)
+    low, high = book.dy2_range_m
+    return WalkingStep(
+        yaw_rad=frame.yaw_rad,
+        heading_change_rad=command.heading_change_rad,
+        length_m=length,
+        height_change_m=command.height_change_m,
+        stance=state.stance,
+        waypoint_m=state.waypoint_m,
+        next_waypoint_m=next_waypoint,
+        com_m=com,
+        velocity_mps=frame.turned(speed, side_speed),
+        foot_m=state.stance_foot_m,
+        next_foot_m=next_foot,
+        swing_from_m=state.other_foot_m,
+        swing_velocity_mps=state.other_foot_velocity_mps,
+        swing_lift_m=state.other_foot_lift_m,
+        omega_radps=omega,
+        first_half_s=math.log(chosen.growth) / omega,
+        second_half_s=math.log(chosen.next_growth) / omega,
+        switch_m=frame.out(chosen.switch_m, chosen.switch_left_m),
+        switch_velocity_mps=frame.turned(chosen.switch_speed_mps, chosen.switch_left_speed_mps),
+        next_com_m=next_com,
+        next_velocity_mps=frame.turned(choice.speed_mps, 0.0),
+        dy1_m=dy1,
+        dy2_m=dy2,
+        apex_speed_mps=apex.speed_mps,
+        next_apex_speed_mps=choice.speed_mps,
+        next_heading_changes_rad=command.next_heading_changes_rad,
+        sign_alternates=(dy1 + dy2) * before < 0,
+        dy2_in_range=low <= abs(dy2) <= high,
+        rise_s=rise_s,
+        rise_com_m=state.com_m if starting else None,
+        rest_s=None if rest is None else rest[0],
+        rest_com_m=None if rest is None else (*frame.out(length, rest[1]), next_com[2]),
+        closing_foot_m=None if rest is None else (*frame.out(length, rest[2]), floor),
+        lateral_cells=int(choice.shift_cells),
+        sagittal_cells=sagittal,
+        turn_step=turn_step,
+    )
+
+
+def _offset(state: WalkingState) -> float:
+    """Return dy1 + dy2 of a state: lateral foot minus waypoint in its own heading."""
+    dx, dy = state.stance_foot_m[0] - state.waypoint_m[0], state.stance_foot_m[1] - state.waypoint_m[1]
+    return math.cos(state.yaw_rad) * dy - math.sin(state.yaw_rad) * dx
+
+
+def _support(foot_left_m: float, other_left_m: float, robot: Biped) -> Support:
+    return support_of(foot_left_m, other_left_m, robot.foot_half_length_m, robot.foot_half_width_m)
+
+
+def _rest(
+    foot_left_m: float, com_left_m: float, side: float, parameters: WalkingParameters, robot: Biped
+) -> tuple[float, float, float] | None:
+    """Return duration, lateral place of the CoM at rest (between the feet), and of the closing foot."""
+    apart = max(2 * parameters.dy2_m, abs(foot_left_m - com_left_m) + parameters.dy2_m)
+    closing = foot_left_m - side * apart
+    rest = 0.5 * (foot_left_m + closing)
+    support = _support(foot_left_m, closing, robot)
+    duration = duration_s(support, STOP_SPEED_MPS, com_left_m, rest, robot.omega_radps)
+    return None if duration is None else (duration, rest, closing)

@@ -1,0 +1,67 @@
+"""Plans that the checker's tests start from; each is made once and copied where it is changed."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from naive_planner import Cheats, write_map, write_plan
+
+PICTURE = [".....", ".#.#.", "....."]
+SCENARIO = """
+format: 1
+kind: biped
+map: map.yaml
+grid: {cell_size_m: 1.0}
+start: {position_m: [0.33, 2.45], heading: east}
+goals: [{position_m: [4.5, 0.5]}, {position_m: [0.5, 2.5]}]
+OBSTACLES
+sensor: {range_m: 2.1}
+EXTRA
+walking:
+  fine_cells: 14
+  turn_angle_deg: 45
+  straight_cells: [2, 1, 3]
+  pre_step_cells: 1
+  stop_cells: 1
+  turn_a_cells: [1.4142135623730951, 1]
+  turn_b_cells: [1.4142135623730951, 2]
+  side_band_cells: 3
+  sagittal_outcomes_cells: 1
+  lateral_outcomes_cells: 1
+  safety_distance_m: 0.1
+"""
+OBSTACLE = "obstacles: [{start_m: [4.5, 2.5]}]"
+REGIONS = "belief_regions: [{rectangles_m: [[2, 0, 3, 3]]}]"
+Planner = Callable[..., Path]
+
+
+@pytest.fixture
+def planned(tmp_path: Path) -> Planner:
+    """Return a function that plans a scene with the naive planner, cheating if it is told to."""
+
+    def plan(cheats: Cheats | None = None, obstacles: str = OBSTACLE, extra: str = "") -> Path:
+        write_map(tmp_path, PICTURE, pixels=10, resolution_m=0.1)
+        text = SCENARIO.replace("OBSTACLES", obstacles).replace("EXTRA", extra)
+        (tmp_path / "scenario.yaml").write_text(text)
+        return write_plan(tmp_path / "scenario.yaml", tmp_path / "plan", cheats)
+
+    return plan
+
+
+@pytest.fixture(scope="session")
+def naive_world(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with map, scenario and plan."""
+    folder = tmp_path_factory.mktemp("naive")
+    write_map(folder, PICTURE, pixels=10, resolution_m=0.1)
+    (folder / "scenario.yaml").write_text(SCENARIO.replace("OBSTACLES", OBSTACLE).replace("EXTRA", ""))
+    write_plan(folder / "scenario.yaml", folder / "plan")
+    return folder
+
+
+@pytest.fixture
+def naive_plan(naive_world: Path, tmp_path: Path) -> Path:
+    """Return a copy of a sound plan, to be changed."""
+    return Path(shutil.copytree(naive_world, tmp_path / "world")) / "plan"

@@ -1,0 +1,247 @@
+"""Sound plans are accepted; plans of games with a broken rule, and changed plans, are refused with the rule."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from naive_planner import Cheats, read_rows, rewrite, write_document
+
+from conftest import Planner
+from surefoot.errors import InputError
+from surefoot.verify import Report, verify_path
+from surefoot.verify.action_moves import booked
+from surefoot.verify.belief import Obstacle
+
+REGIONS = "belief_regions: [{rectangles_m: [[2, 0, 3, 3]]}]"
+
+
+def rules(report: Report) -> set[str]:
+    return {finding.rule for finding in report.findings}
+
+
+@pytest.mark.parametrize("extra", ["", REGIONS, "navigation: {belief: single, view: post}", "navigation: {view: pre}"])
+def test_sound_plan_is_accepted(planned: Planner, extra: str) -> None:
+    report = verify_path(planned(extra=extra))
+    assert report.accepted, report.findings
+    assert report.kind == "biped-plan"
+    assert report.counts["product_is_whole"]
+
+
+def test_plan_without_an_obstacle_is_accepted(planned: Planner) -> None:
+    assert verify_path(planned(obstacles="obstacles: []")).accepted
+
+
+def test_plan_file_may_be_named_itself(naive_plan: Path) -> None:
+    assert verify_path(naive_plan / "plan.json").accepted
+
+
+def test_dropped_collision_rule_is_refused(planned: Planner) -> None:
+    report = verify_path(planned(Cheats(collisions=False)))
+    assert not report.accepted
+    assert "rules.md 4, collision" in rules(report)
+
+
+def without_lowest_cell(_: Obstacle, belief: int) -> int:
+    return belief & (belief - 1) or belief
+
+
+@pytest.mark.parametrize("extra", ["", REGIONS])
+def test_narrowed_belief_is_refused(planned: Planner, extra: str) -> None:
+    report = verify_path(planned(Cheats(narrow=without_lowest_cell), extra=extra))
+    assert not report.accepted
+    assert "rules.md 4, belief" in rules(report)
+
+
+def shorter_ahead(lengths: tuple[float, ...]) -> Any:
+    table = booked(lengths)
+    table[0, 0] -= 4
+    return table
+
+
+def last_step_ahead(lengths: tuple[float, ...]) -> Any:
+    table = booked(lengths)
+    table[0, 0] -= 1
+    table[-1, 0] += 1
+    return table
+
+
+@pytest.mark.parametrize("booking", [shorter_ahead, last_step_ahead])
+def test_wrong_turn_table_is_refused(planned: Planner, booking: Any) -> None:
+    report = verify_path(planned(Cheats(booking=booking)))
+    assert not report.accepted
+    assert any(rule.startswith("rules.md 5") for rule in rules(report))
+
+
+def test_turn_off_the_cell_centres_is_refused(naive_plan: Path) -> None:
+    change_document(naive_plan, lambda plan: plan["walking"].update(turn_a_cells=[1.5, 1]))
+    report = verify_path(naive_plan)
+    assert "rules.md 5, turn types" in rules(report)
+
+
+def change_document(plan: Path, change: Any) -> None:
+    document = json.loads((plan / "plan.json").read_text())
+    change(document)
+    write_document(plan, document)
+
+
+CLAIMS = {
+    "a blocked cell is called free": (lambda p: p["grid"]["free"].append([1, 1]), "rules.md 1, free cells"),
+    "a free cell is left out": (lambda p: p["grid"]["free"].pop(), "rules.md 1, free cells"),
+    "the grid is shifted": (lambda p: p["grid"].update(north_west_m=[0.0, 2.9]), "rules.md 1, grid"),
+    "a context is left out": (lambda p: p["contexts"].pop(), "rules.md 5, contexts"),
+    "a profile is invented": (
+        lambda p: p["profiles"].append(
+            {"up": "east", "heights_m": [0.0] * 14, "gain_m": 0.0, "admissible": [True] * 14}
+        ),
+        "rules.md 2, profiles",
+    ),
+    "the obstacle's domain is cut": (lambda p: p["obstacles"][0]["domain"].pop(), "rules.md 4, obstacle domain"),
+    "the obstacle starts elsewhere": (lambda p: p["obstacles"][0].update(start=[2, 4]), "formats.md 1, obstacles"),
+    "a goal is another one": (lambda p: p["goals"].reverse(), "formats.md 1, goals"),
+    "the start is elsewhere": (lambda p: p["start"].update(cell=[0, 1]), "formats.md 1, start"),
+    "the start is farther than it says": (lambda p: p["start"].update(moved_m=0.5), "formats.md 2, start"),
+    "the heading is another one": (lambda p: p["start"].update(heading="south"), "formats.md 1, start"),
+    "the side band is narrower": (lambda p: p["walking"].update(side_band_cells=2), "formats.md 1, walking"),
+    "outcomes are left out": (lambda p: p["walking"].update(lateral_outcomes_cells=0), "formats.md 1, walking"),
+    "the foot is smaller": (lambda p: p["robot"].update(foot_radius_m=0.01), "formats.md 2, robot"),
+}
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_claim_that_differs_from_the_scene_is_refused(naive_plan: Path, name: str) -> None:
+    change, rule = CLAIMS[name]
+    change_document(naive_plan, change)
+    report = verify_path(naive_plan)
+    assert not report.accepted
+    assert rule in rules(report)
+
+
+def test_changed_orders_are_refused(naive_plan: Path) -> None:
+    rows = read_rows(naive_plan, "navigation.npz")
+    sound = rows["order"].copy()
+    for row in range(0, len(sound), 7):
+        for order in {0, 1, 2, 3} - {int(sound[row]) % 4}:
+            rows["order"] = sound.copy()
+            rows["order"][row] = order
+            rewrite(naive_plan, "navigation.npz", rows)
+            assert not verify_path(naive_plan).accepted, (row, order)
+
+
+def test_robot_that_waits_for_ever_is_refused(naive_plan: Path) -> None:
+    rows = read_rows(naive_plan, "navigation.npz")
+    rows["order"] = np.where(rows["order"] < 4, rows["order"] + 4, rows["order"]).astype(np.int8)
+    rewrite(naive_plan, "navigation.npz", rows)
+    report = verify_path(naive_plan)
+    assert not report.accepted
+
+
+def test_robot_that_circles_without_its_goal_is_refused(planned: Planner) -> None:
+    plan = planned(obstacles="obstacles: []")
+    # cell, heading, order: east, south, west and north again, around the western wall
+    loop = [(0, 1, 1), (1, 1, 1), (2, 1, 2), (7, 2, 2), (12, 2, 3), (11, 3, 3), (10, 3, 0), (5, 0, 0), (0, 0, 1)]
+    cells, headings, orders = zip(*loop, strict=True)
+    rows = {
+        "cell": np.array(cells, np.int32),
+        "heading": np.array(headings, np.int8),
+        "visible": np.zeros((len(loop), 0), np.int32),
+        "hidden": np.zeros((len(loop), 0), np.uint8),
+        "goal": np.zeros(len(loop), np.int16),
+        "order": np.array(orders, np.int8),
+        "domain": np.zeros(0, np.int32),
+    }
+    rewrite(plan, "navigation.npz", rows)
+    report = verify_path(plan)
+    assert rules(report) == {"rules.md 4, goals"}
+
+
+@pytest.mark.parametrize("name", ["navigation.npz", "action.npz"])
+def test_missing_row_is_refused(naive_plan: Path, name: str) -> None:
+    rows = read_rows(naive_plan, name)
+    rewrite(naive_plan, name, {key: values if key == "domain" else values[1:] for key, values in rows.items()})
+    assert not verify_path(naive_plan).accepted
+
+
+@pytest.mark.parametrize("name", ["navigation.npz", "action.npz"])
+def test_doubled_row_is_refused(naive_plan: Path, name: str) -> None:
+    rows = read_rows(naive_plan, name)
+    double = {k: v if k == "domain" else np.concatenate([v, v[:1]]) for k, v in rows.items()}
+    rewrite(naive_plan, name, double)
+    report = verify_path(naive_plan)
+    assert f"formats.md 2, {name}" in rules(report)
+
+
+def test_changed_actions_are_refused(naive_plan: Path) -> None:
+    rows = read_rows(naive_plan, "action.npz")
+    sound = rows["action"].copy()
+    for before, action in [(5, 1), (5, 0), (2, 3), (0, 6), (4, 99), (3, -1)]:
+        row = int(np.flatnonzero(sound == before)[0])
+        rows["action"] = sound.copy()
+        rows["action"][row] = action
+        rewrite(naive_plan, "action.npz", rows)
+        assert not verify_path(naive_plan).accepted, (row, action)
+
+
+def test_walk_that_never_turns_is_refused(naive_plan: Path) -> None:
+    rows = read_rows(naive_plan, "action.npz")
+    rows["action"] = np.where(rows["action"] == 5, 6, rows["action"]).astype(np.int16)
+    rewrite(naive_plan, "action.npz", rows)
+    assert not verify_path(naive_plan).accepted
+
+
+def test_stale_scenario_is_bad_input(naive_plan: Path) -> None:
+    scenario = naive_plan.parent / "scenario.yaml"
+    scenario.write_text(scenario.read_text() + "# changed\n")
+    with pytest.raises(InputError, match=r"scenario\.sha256"):
+        verify_path(naive_plan)
+
+
+def test_stale_strategy_is_bad_input(naive_plan: Path) -> None:
+    rows = read_rows(naive_plan, "navigation.npz")
+    rows["order"][0] = 3
+    np.savez(naive_plan / "navigation.npz", **rows)
+    with pytest.raises(InputError, match=r"navigation\.npz"):
+        verify_path(naive_plan)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("format", 2), ("format", True), ("kind", "biped-run"), ("realizable", False), ("profiles", []), ("contexts", 3)],
+)
+def test_other_document_is_bad_input(naive_plan: Path, key: str, value: object) -> None:
+    change_document(naive_plan, lambda plan: plan.update({key: value}))
+    with pytest.raises(InputError, match=key):
+        verify_path(naive_plan)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.99])
+def test_truncated_document_is_bad_input(naive_plan: Path, share: float) -> None:
+    text = (naive_plan / "plan.json").read_bytes()
+    (naive_plan / "plan.json").write_bytes(text[: int(len(text) * share)])
+    with pytest.raises(InputError):
+        verify_path(naive_plan)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
+def test_truncated_arrays_are_bad_input(naive_plan: Path, share: float) -> None:
+    data = (naive_plan / "action.npz").read_bytes()
+    (naive_plan / "action.npz").write_bytes(data[: int(len(data) * share)])
+    write_document(naive_plan, json.loads((naive_plan / "plan.json").read_text()))
+    with pytest.raises(InputError):
+        verify_path(naive_plan)
+
+
+@pytest.mark.parametrize("constant", ["NaN", "Infinity", "1e999"])
+def test_numbers_that_are_none_are_bad_input(naive_plan: Path, constant: str) -> None:
+    path = naive_plan / "plan.json"
+    path.write_text(path.read_text().replace('"rotation_rad": 0.0', f'"rotation_rad": {constant}'))
+    with pytest.raises(InputError):
+        verify_path(naive_plan)
+
+
+def test_folder_without_artefact_is_bad_input(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"plan\.json"):
+        verify_path(tmp_path)

@@ -1,0 +1,191 @@
+"""Sound logs are accepted; doctored, truncated and stale ones are refused."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from surefoot.errors import InputError
+from surefoot.verify import verify_path
+
+Records = list[dict[str, Any]]
+Change = Callable[[Records], object]
+
+
+@pytest.fixture(scope="session")
+def walked(tutorial_plan: Path, scenes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the run of a mission."""
+    from surefoot.missions.biped import run_mission
+
+    out = tutorial_plan.parent / "run"
+    run_mission(scenes / "tutorial_mission.yaml", tutorial_plan, steps=120, seed=5, obstacle="adversarial", out=out)
+    return out
+
+
+@pytest.fixture
+def run(walked: Path) -> Path:
+    """Return a copy of the run beside the plan that it names."""
+    copy = walked.parent / "doctored"
+    shutil.rmtree(copy, ignore_errors=True)
+    return Path(shutil.copytree(walked, copy))
+
+
+def change(run: Path, doctor: Change) -> None:
+    records = [json.loads(line) for line in (run / "run.jsonl").read_text().splitlines()]
+    doctor(records)
+    (run / "run.jsonl").write_text("".join(json.dumps(record) + "\n" for record in records))
+
+
+def of(records: Records, kind: str, place: int = 0) -> dict[str, Any]:
+    return [record for record in records if record["record"] == kind][place]
+
+
+def test_sound_log_is_accepted(run: Path) -> None:
+    report = verify_path(run)
+    assert report.accepted, report.findings
+    assert report.kind == "biped-run"
+    assert report.counts["steps"] == 120
+    assert report.counts["collisions"] == 0
+    assert report.counts["complete"]
+
+
+def shifted(record: dict[str, Any], name: str, by: float, axis: int = 1) -> None:
+    record[name][axis] += by
+
+
+def teleport(records: Records) -> None:
+    turns = [record for record in records if record["record"] == "turn"]
+    far = next(turn for turn in reversed(turns) if turn["obstacles"] != turns[0]["obstacles"])
+    turns[1]["obstacles"] = far["obstacles"]
+
+
+def narrow(records: Records) -> None:
+    hidden = next(record for record in records if record.get("hidden"))
+    hidden["hidden"].pop()
+
+
+def drop(kind: str, place: int) -> Change:
+    return lambda records: records.remove(of(records, kind, place))
+
+
+def both(first: Change, second: Change) -> Change:
+    return lambda records: (first(records), second(records))
+
+
+DOCTORED: dict[str, tuple[Change, str]] = {
+    "a moved foot": (lambda r: shifted(of(r, "step", 3), "next_foot_m", 0.01), "rules.md 6, pendulum"),
+    "a foot moved in both its steps": (
+        both(
+            lambda r: shifted(of(r, "step", 3), "next_foot_m", 0.01),
+            lambda r: shifted(of(r, "step", 4), "foot_m", 0.01),
+        ),
+        "rules.md 6, pendulum",
+    ),
+    "a teleported obstacle": (teleport, "rules.md 4, obstacle"),
+    "an obstacle on the robot": (
+        lambda r: of(r, "turn", 2).update(obstacles=[of(r, "turn", 2)["cell"]]),
+        "rules.md 4, collision",
+    ),
+    "an obstacle in the cell just left": (
+        lambda r: of(r, "turn", 1).update(obstacles=[of(r, "turn", 0)["cell"]]),
+        "rules.md 4, collision",
+    ),
+    "an obstacle off the map": (lambda r: of(r, "turn", 1).update(obstacles=[[99, 99]]), "rules.md 4, obstacle domain"),
+    "a changed speed": (lambda r: of(r, "step", 3).update(next_apex_speed_mps=0.55), "rules.md 6, pendulum"),
+    "a changed velocity": (lambda r: shifted(of(r, "step", 3), "velocity_mps", 0.01, 0), "rules.md 6, pendulum"),
+    "a dropped step": (drop("step", 3), "formats.md 3, step"),
+    "a dropped decision": (drop("turn", 2), "formats.md 3, step"),
+    "a dropped end": (drop("end", 0), "formats.md 3, end record"),
+    "a narrowed belief": (narrow, "rules.md 4, belief"),
+    "another order": (
+        lambda r: of(r, "turn", 1).update(
+            order="wait north" if of(r, "turn", 1)["order"] != "wait north" else "move north"
+        ),
+        "formats.md 3, order",
+    ),
+    "another action": (lambda r: of(r, "step", 3).update(action=99), "formats.md 3, action"),
+    "another state": (lambda r: of(r, "step", 3)["fine"].update(row=0), "rules.md 5, state"),
+    "an impossible outcome": (lambda r: of(r, "step", 3)["outcome"].update(lateral=3), "rules.md 5, outcomes"),
+    "a longer step": (lambda r: of(r, "step", 3).update(length_m=0.6), "rules.md 6, commands"),
+    "another heading": (lambda r: of(r, "step", 3).update(yaw_rad=0.1), "rules.md 6, commands"),
+    "a moved waypoint": (lambda r: shifted(of(r, "step", 3), "next_waypoint_m", 0.1), "rules.md 6, waypoint"),
+    "a later switch": (lambda r: of(r, "step", 3).update(first_half_s=0.9), "rules.md 6, pendulum"),
+    "a negative time": (lambda r: of(r, "step", 3).update(second_half_s=-0.1), "rules.md 6, pendulum"),
+    "a foot in the air": (lambda r: shifted(of(r, "step", 3), "next_foot_m", 0.1, 2), "rules.md 2, heights"),
+    "another dy1": (lambda r: of(r, "step", 3).update(dy1_m=0.0), "rules.md 6, dy1 and dy2"),
+    "another sign": (
+        lambda r: of(r, "step", 3).update(sign_alternates=not of(r, "step", 3)["sign_alternates"]),
+        "rules.md 6, Proposition V.1",
+    ),
+    "another range": (
+        lambda r: of(r, "step", 3).update(dy2_in_range=not of(r, "step", 3)["dy2_in_range"]),
+        "rules.md 6, Definition V.2",
+    ),
+    "a heading change that nobody can walk": (
+        lambda r: of(r, "step", 3).update(next_heading_changes_rad=[1.5]),
+        "rules.md 6, Theorem IV.2",
+    ),
+    "a clock that runs backwards": (lambda r: of(r, "step", 3).update(time_s=0.0), "formats.md 3, time_s"),
+    "a rise without time": (lambda r: of(r, "step", 0).update(rise_s=1e-3), "formats.md 3, double support"),
+    "an unsafe step": (
+        lambda r: r.insert(-1, {"record": "unsafe", "step": 120, "time_s": 1e6, "reason": "none"}),
+        "rules.md 6, unsafe step",
+    ),
+    "more steps than walked": (lambda r: of(r, "end").update(steps=121), "formats.md 3, end record"),
+    "more goals than reached": (lambda r: of(r, "end").update(goals_reached=[99, 99]), "formats.md 3, end record"),
+}
+
+
+@pytest.mark.parametrize("name", DOCTORED)
+def test_doctored_log_is_refused(run: Path, name: str) -> None:
+    doctor, rule = DOCTORED[name]
+    change(run, doctor)
+    report = verify_path(run / "run.jsonl")
+    assert not report.accepted
+    assert rule in {finding.rule for finding in report.findings}, report.findings
+
+
+def test_log_that_just_ends_is_checked_as_far_as_it_goes(run: Path) -> None:
+    lines = (run / "run.jsonl").read_text().splitlines(keepends=True)
+    (run / "run.jsonl").write_text("".join(lines[:40]))
+    report = verify_path(run)
+    assert [finding.rule for finding in report.findings] == ["formats.md 3, end record"]
+    assert not report.counts["complete"]
+    assert int(str(report.counts["steps"])) > 20
+
+
+def test_truncated_line_is_bad_input(run: Path) -> None:
+    text = (run / "run.jsonl").read_bytes()
+    (run / "run.jsonl").write_bytes(text[: len(text) // 2])
+    with pytest.raises(InputError, match=r"run\.jsonl:\d+"):
+        verify_path(run)
+
+
+def test_log_of_another_plan_is_bad_input(run: Path) -> None:
+    change(run, lambda records: records[0]["plan"].update(sha256="0" * 64))
+    with pytest.raises(InputError, match=r"plan\.sha256"):
+        verify_path(run)
+
+
+@pytest.mark.parametrize(
+    "doctor",
+    [
+        lambda r: r.pop(0),
+        lambda r: r.append({"record": "turn"}),
+        lambda r: of(r, "step", 1).pop("foot_m"),
+        lambda r: of(r, "step", 1).update(foot_m=[0.0, 0.0]),
+        lambda r: of(r, "step", 1).update(stance="middle"),
+        lambda r: of(r, "turn", 1).update(order="fly"),
+        lambda r: r.insert(1, {"record": "dream"}),
+        lambda r: r[0].update(format=9),
+    ],
+)
+def test_malformed_log_is_bad_input(run: Path, doctor: Change) -> None:
+    change(run, doctor)
+    with pytest.raises(InputError, match=r"run\.jsonl"):
+        verify_path(run)
