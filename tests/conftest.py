@@ -8,6 +8,7 @@ import pytest
 
 REPOSITORY = Path(__file__).parents[1]
 SCENES = REPOSITORY / "scenes"
+DEPOT_SCENE = REPOSITORY / "tests" / "scenes" / "depot_mission.yaml"
 DEPOT = REPOSITORY.parent / "shared" / "data" / "maps" / "depot.yaml"
 
 
@@ -20,13 +21,13 @@ def scenes() -> Path:
 @pytest.fixture(scope="session")
 def two_rooms_plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a plan of the two-room scene."""
-    return _planned("two_rooms_mission.yaml", tmp_path_factory)
+    return _planned(SCENES / "two_rooms_mission.yaml", tmp_path_factory)
 
 
 @pytest.fixture(scope="session")
 def tutorial_plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a plan of the tutorial's scene."""
-    return _planned("tutorial_mission.yaml", tmp_path_factory)
+    return _planned(SCENES / "tutorial_mission.yaml", tmp_path_factory)
 
 
 @pytest.fixture(scope="session")
@@ -34,14 +35,14 @@ def depot_plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a plan of the real depot."""
     if not DEPOT.is_file():
         pytest.skip("the depot map in ../shared/data is absent")
-    return _planned("depot_mission.yaml", tmp_path_factory)
+    return _planned(DEPOT_SCENE, tmp_path_factory)
 
 
-def _planned(name: str, folders: pytest.TempPathFactory) -> Path:
+def _planned(scenario: Path, folders: pytest.TempPathFactory) -> Path:
     from surefoot.missions.planning import plan_mission
 
     out = folders.mktemp("plan") / "plan"
-    answer = plan_mission(SCENES / name, out)
+    answer = plan_mission(scenario, out)
     assert answer.realizable, answer.witness
     assert answer.verified
     return out

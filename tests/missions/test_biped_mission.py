@@ -11,10 +11,10 @@ from surefoot.errors import InputError
 from surefoot.missions.biped import RunAnswer, run_mission
 from surefoot.missions.planning import plan_mission
 
-PLANS = {
-    "two_rooms_mission.yaml": "two_rooms_plan",
-    "tutorial_mission.yaml": "tutorial_plan",
-    "depot_mission.yaml": "depot_plan",
+SCENES = {
+    "two_rooms": Path("scenes/two_rooms_mission.yaml"),
+    "tutorial": Path("scenes/tutorial_mission.yaml"),
+    "depot": Path("tests/scenes/depot_mission.yaml"),
 }
 
 
@@ -27,24 +27,26 @@ def check(answer: RunAnswer, *, steps: int, visits: int) -> None:
 
 
 @pytest.mark.parametrize("policy", ["random", "adversarial"])
-@pytest.mark.parametrize("scene", PLANS)
+@pytest.mark.parametrize("scene", SCENES)
 def test_walks_every_scene(
     scene: str, policy: str, request: pytest.FixtureRequest, scenes: Path, tmp_path: Path
 ) -> None:
-    plan = request.getfixturevalue(PLANS[scene])
-    answer = run_mission(scenes / scene, plan, steps=500, seed=3, obstacle=policy, out=tmp_path / "run")
+    plan = request.getfixturevalue(f"{scene}_plan")
+    answer = run_mission(scenes.parent / SCENES[scene], plan, steps=500, seed=3, obstacle=policy, out=tmp_path / "run")
     check(answer, steps=500, visits=2)
 
 
 @pytest.mark.campaign
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("policy", ["random", "adversarial"])
-@pytest.mark.parametrize("scene", PLANS)
+@pytest.mark.parametrize("scene", SCENES)
 def test_ensemble(
     scene: str, policy: str, seed: int, request: pytest.FixtureRequest, scenes: Path, tmp_path: Path
 ) -> None:
-    plan = request.getfixturevalue(PLANS[scene])
-    answer = run_mission(scenes / scene, plan, steps=500, seed=seed, obstacle=policy, out=tmp_path / "run")
+    plan = request.getfixturevalue(f"{scene}_plan")
+    answer = run_mission(
+        scenes.parent / SCENES[scene], plan, steps=500, seed=seed, obstacle=policy, out=tmp_path / "run"
+    )
     check(answer, steps=500, visits=2)
 
 

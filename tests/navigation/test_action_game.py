@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from art import CELL_M, STAIRS, TWO_ROOMS, UPPER_FLOOR, coarse_of
@@ -26,7 +28,7 @@ from surefoot.walking import step_library, walking_parameters
 EAST = Context(0, int(Direction.EAST), 0)
 
 
-def rules(*, stairs: bool = False, **walking: object) -> ActionRules:
+def rules(*, stairs: bool = False, **walking: Any) -> ActionRules:
     coarse = coarse_of(TWO_ROOMS, floors=(UPPER_FLOOR,), stairs=(STAIRS,)) if stairs else coarse_of(TWO_ROOMS)
     return action_rules(coarse, step_library(walking_parameters(CELL_M, **walking), biped("digit")))
 
@@ -43,12 +45,11 @@ def test_default_library_is_realizable() -> None:
     ("walking", "realizable"),
     [
         ({"straight_cells": (4, 3)}, False),  # with deviations at start and stop too, short steps are needed
-        
         ({"lateral_outcomes_cells": 4}, False),
         ({"side_band_cells": 10}, False),
     ],
 )
-def test_breaking_points(walking: dict[str, object], realizable: bool) -> None:
+def test_breaking_points(walking: dict[str, Any], realizable: bool) -> None:
     verdict, strategy, _ = solve_action(build_action_game(rules(**walking), Direction.EAST, EAST), 13, 13)
     assert bool(verdict) is realizable
     assert (strategy is not None) is realizable

@@ -65,3 +65,14 @@ def naive_world(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def naive_plan(naive_world: Path, tmp_path: Path) -> Path:
     """Return a copy of a sound plan, to be changed."""
     return Path(shutil.copytree(naive_world, tmp_path / "world")) / "plan"
+
+
+@pytest.fixture(params=["naive", "two rooms"])
+def any_plan(request: pytest.FixtureRequest) -> Path:
+    """Return a copy of a sound plan, naive or real, to be changed."""
+    if request.param == "naive":
+        return Path(request.getfixturevalue("naive_plan"))
+    real = Path(request.getfixturevalue("two_rooms_plan"))
+    copy = real.parent / "changed"
+    shutil.rmtree(copy, ignore_errors=True)
+    return Path(shutil.copytree(real, copy))

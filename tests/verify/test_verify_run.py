@@ -60,8 +60,11 @@ def shifted(record: dict[str, Any], name: str, by: float, axis: int = 1) -> None
 
 def teleport(records: Records) -> None:
     turns = [record for record in records if record["record"] == "turn"]
-    far = next(turn for turn in reversed(turns) if turn["obstacles"] != turns[0]["obstacles"])
-    turns[1]["obstacles"] = far["obstacles"]
+    start = turns[0]["obstacles"][0]
+    far = [
+        turn for turn in turns if abs(turn["obstacles"][0][0] - start[0]) + abs(turn["obstacles"][0][1] - start[1]) > 1
+    ]
+    turns[1]["obstacles"] = far[0]["obstacles"]
 
 
 def narrow(records: Records) -> None:

@@ -39,7 +39,7 @@ from surefoot.navigation import (
     order_context,
     standing_start,
 )
-from surefoot.verify import verify_path
+from surefoot.verify import Report, verify_path
 from surefoot.walking import Unsafe, WalkingState, WalkingStep, plan_step, standing_state
 
 POLICIES = ("random", "adversarial", "scripted")
@@ -138,7 +138,7 @@ def run_mission(
     return RunAnswer(
         steps=walk.steps,
         goals_reached=tuple(walk.goals_reached),
-        collisions=int(report.counts.get("collisions", 0)),
+        collisions=_count(report, "collisions"),
         unsafe_steps=walk.unsafe_steps,
         turns=walk.turns_completed,
         waypoint_corrections=walk.corrections,
@@ -150,6 +150,11 @@ def run_mission(
         notes=tuple(walk.notes),
         out=out,
     )
+
+
+def _count(report: Report, name: str) -> int:
+    count = report.counts.get(name, 0)
+    return count if isinstance(count, int) else 0
 
 
 def _policy(name: str, scene: BipedScene, seed: int, script: Path | None) -> Policy:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.missions.biped_scene import BipedScene
+from surefoot.missions.plan_document import read_plan_document
 from surefoot.navigation import (
     ActionRules,
     ActionStrategy,
@@ -18,8 +17,6 @@ from surefoot.navigation import (
     load_action_strategy,
     load_navigation_strategy,
 )
-
-LARGEST_PLAN_BYTES = 50_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,23 +68,3 @@ def read_plan(folder: Path, scene: BipedScene) -> BipedPlan:
         action_rules(scene.coarse, scene.library),
         start,
     )
-
-
-def read_plan_document(folder: Path) -> dict[str, Any]:
-    """Return the content of plan.json.
-
-    Raises:
-        InputError: if the folder holds no plan of this version.
-    """
-    path = folder / "plan.json"
-    if not path.is_file():
-        raise InputError("holds no plan.json; make a plan with: surefoot plan SCENARIO -o FOLDER", source=folder)
-    if path.stat().st_size > LARGEST_PLAN_BYTES:
-        raise InputError(f"is larger than {LARGEST_PLAN_BYTES} bytes", source=path)
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, json.JSONDecodeError) as problem:
-        raise InputError(f"is not whole JSON: {problem}", source=path) from problem
-    if not isinstance(document, dict) or document.get("kind") != "biped-plan" or document.get("format") != 1:
-        raise InputError("is not a plan of format 1 and kind biped-plan", source=path)
-    return document

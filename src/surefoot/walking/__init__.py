@@ -9,11 +9,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from surefoot.walking.library import StepLibrary, TurnTemplate, step_library
     from surefoot.walking.parameters import WalkingParameters, walking_parameters
     from surefoot.walking.planner import plan_step
     from surefoot.walking.state import StepCommand, StepKind, Unsafe, WalkingState, standing_state
     from surefoot.walking.step import WalkingStep
-    from surefoot.walking.library import StepLibrary, TurnTemplate, step_library
     from surefoot.walking.trajectory import Trajectory, sample_trajectory
 
 __all__ = [

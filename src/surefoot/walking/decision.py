@@ -1,9 +1,9 @@
 """Algorithm 1: which speed the next apex gets.
 
-The speeds of the allowed range are tried one by one; of those that satisfy every hard rule the one with the least cost is
-taken. To the cost of the paper the risk of the next apex is added (``risk``). Beside the speed, the algorithm picks what a step leaves
-free: the lateral correction of its waypoint, a deviation of its length, and the place of the CoM when the robot starts.
-Source: Shamsah et al., T-RO 2023, Section V, Algorithm 1.
+The speeds of the allowed range are tried one by one; of those that satisfy every hard rule the one with the least
+cost is taken. To the cost of the paper the risk of the next apex is added (``risk``). Beside the speed, the algorithm
+picks what a step leaves free: the lateral correction of its waypoint, a deviation of its length, and the place of the
+CoM when the robot starts. Source: Shamsah et al., T-RO 2023, Section V, Algorithm 1.
 """
 
 from __future__ import annotations

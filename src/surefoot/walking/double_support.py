@@ -1,7 +1,7 @@
 """Timed double support: how the CoM comes to rest after a stop, and how it leaves rest before a start.
 
-The CoM moves on a cubic per axis. Its centre of pressure p = x - x'' / omega^2 has to stay in the hull of both feet, which stand
-side by side, so that the hull is a rectangle; the duration is the shortest of a row that does it.
+The CoM moves on a cubic per axis. Its centre of pressure p = x - x'' / omega^2 has to stay in the hull of both feet,
+which stand side by side, so that the hull is a rectangle; the duration is the shortest of a row that does it.
 """
 
 from __future__ import annotations
@@ -9,58 +9,68 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from surefoot.robots.biped import Biped
+
 MARGIN_M = 0.005
-_SHORTEST_S = 0.6
-_LONGEST_S = 4.0
-_STEP_S = 0.1
+DURATIONS_S = tuple(tenths / 10 for tenths in range(6, 41))
 
 
 @dataclass(frozen=True, slots=True)
-class Support:
-    """The hull of two feet side by side, in the frame of the heading with the origin between their sagittal centres.
+class Rest:
+    """How a robot comes to rest after a stop, in the frame of the step.
 
     Attributes:
-        half_length_m: of a foot.
-        right_m: lateral coordinate of the hull's right border.
-        left_m: of its left border.
+        duration_s: of the double support.
+        com_left_m: lateral place of the CoM at rest, between the feet.
+        closing_left_m: lateral place where the other foot was set down.
     """
 
-    half_length_m: float
-    right_m: float
-    left_m: float
+    duration_s: float
+    com_left_m: float
+    closing_left_m: float
 
 
-def support_of(foot_left_m: float, other_left_m: float, half_length_m: float, half_width_m: float) -> Support:
-    """Return the hull of two feet with the same sagittal coordinate."""
-    right, left = sorted((foot_left_m, other_left_m))
-    return Support(half_length_m, right - half_width_m, left + half_width_m)
+def rest_after(foot_left_m: float, com_left_m: float, dy2_m: float, speed_mps: float, robot: Biped) -> Rest | None:
+    """Return how the robot comes to rest from its final apex; None if nothing is safe.
+
+    The closing foot stands beside the other one, at a distance of two ``dy2_m`` unless the CoM is far from its foot.
+    """
+    dy2 = foot_left_m - com_left_m
+    apart = math.copysign(max(2 * dy2_m, abs(dy2) + dy2_m), dy2)
+    closing, rest = foot_left_m - apart, foot_left_m - 0.5 * apart
+    duration = shift_duration_s(foot_left_m, closing, speed_mps, com_left_m, rest, robot)
+    return None if duration is None else Rest(duration, rest, closing)
 
 
-def duration_s(
-    support: Support, speed_mps: float, apex_left_m: float, rest_left_m: float, omega_radps: float
+def shift_duration_s(
+    foot_left_m: float,
+    other_left_m: float,
+    speed_mps: float,
+    apex_left_m: float,
+    rest_left_m: float,
+    robot: Biped,
 ) -> float | None:
     """Return how long the CoM takes between an apex and rest, both above the feet sagittally; None if nothing is safe.
 
     A stop and a start with the same numbers are each other's mirror image in time, with the same accelerations.
 
     Args:
-        support: the hull of the feet.
+        foot_left_m: lateral place of one foot; both have the same sagittal place.
+        other_left_m: of the other one.
         speed_mps: sagittal speed at the apex.
         apex_left_m: lateral place of the CoM at the apex.
         rest_left_m: lateral place at rest.
-        omega_radps: rate of the pendulum.
+        robot: its feet and its pendulum.
     """
-    duration = _SHORTEST_S
-    while duration <= _LONGEST_S + 1e-9:
-        ahead = pressure_range(0.0, speed_mps, 0.0, 0.0, duration, omega_radps)
-        aside = pressure_range(apex_left_m, 0.0, rest_left_m, 0.0, duration, omega_radps)
-        if (
-            max(-ahead[0], ahead[1]) <= support.half_length_m - MARGIN_M
-            and aside[0] >= support.right_m + MARGIN_M
-            and aside[1] <= support.left_m - MARGIN_M
-        ):
-            return round(duration, 9)
-        duration += _STEP_S
+    omega = robot.omega_radps
+    reach = robot.foot_half_length_m - MARGIN_M
+    right = min(foot_left_m, other_left_m) - robot.foot_half_width_m + MARGIN_M
+    left = max(foot_left_m, other_left_m) + robot.foot_half_width_m - MARGIN_M
+    for duration in DURATIONS_S:
+        ahead = pressure_range(0.0, speed_mps, 0.0, 0.0, duration, omega)
+        aside = pressure_range(apex_left_m, 0.0, rest_left_m, 0.0, duration, omega)
+        if -reach <= ahead[0] and ahead[1] <= reach and right <= aside[0] and aside[1] <= left:
+            return duration
     return None
 
 

@@ -1,4 +1,4 @@
-"""The step library: turn templates with their booked displacements, and the check of every length against the theorems."""
+"""The step library: turns with their booked displacements, and the check of every length against the theorems."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class TurnTemplate:
 
     Attributes:
         lengths_cells: of its steps, in fine cells.
-        booked: what the action game books for every step: (forward, sideways) in fine cells, along the original heading and
-            toward the side of the turn.
+        booked: what the action game books for every step: (forward, sideways) in fine cells, along the original
+            heading and toward the side of the turn.
     """
 
     lengths_cells: tuple[float, ...]
@@ -86,7 +86,8 @@ def _check_turn_angle(parameters: WalkingParameters, omega: float) -> None:
     if parameters.turn_angle_deg > most:
         raise InputError(
             f"Theorem IV.2 allows no apex speed in {slowest:g} .. {fastest:g} m/s for turns of "
-            f"{parameters.turn_angle_deg:g} degrees with dy2 = {parameters.dy2_m:g} m; up to {most:.2f} degrees are allowed",
+            f"{parameters.turn_angle_deg:g} degrees with dy2 = {parameters.dy2_m:g} m; "
+            f"up to {most:.2f} degrees are allowed",
             key="walking.turn_angle_deg",
         )
 

@@ -1,7 +1,7 @@
 """Closed forms of the linear pendulum x'' = omega^2 (x - x_foot) over one walking step.
 
-The frame is that of the step: origin at the waypoint, x along the new heading (sagittal), y to its left (lateral). The next
-apex and the next foot lie at the same sagittal coordinate. How long a half step lasts is kept as its *growth*
+The frame is that of the step: origin at the waypoint, x along the new heading (sagittal), y to its left (lateral). The
+next apex and the next foot lie at the same sagittal coordinate. How long a half step lasts is kept as its *growth*
 e^(omega t), which needs no logarithm. Source: Shamsah et al., T-RO 2023, Appendix A.
 """
 

@@ -3,76 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from surefoot.robots.biped import Biped
-from surefoot.walking.costs import Aim
 from surefoot.walking.decision import Choice, Freedom, choose
-from surefoot.walking.double_support import Support, duration_s, support_of
+from surefoot.walking.double_support import rest_after, shift_duration_s
 from surefoot.walking.library import STOP_SPEED_MPS
 from surefoot.walking.parameters import WalkingParameters
-from surefoot.walking.risk import READY, STANDING, START_OFFSETS_M, WALKING, RiskTable, risk_table, turn_node
-from surefoot.walking.rules import REASONS, Apex, Limits, Rule
-from surefoot.walking.state import Point, StepCommand, StepKind, Unsafe, WalkingState
+from surefoot.walking.risk import READY, STANDING, START_OFFSETS_M, WALKING, turn_node
+from surefoot.walking.rulebook import Rulebook, rulebook
+from surefoot.walking.rules import REASONS, Apex, Rule
+from surefoot.walking.state import StepCommand, StepKind, Unsafe, WalkingState
 from surefoot.walking.step import WalkingStep
-
-SPEED_STEP_MPS = 0.01
-
-
-@dataclass(frozen=True, slots=True)
-class Rulebook:
-    """What a walk's parameters mean for the compiled code; made once for a walk.
-
-    Attributes:
-        limits: of the hard rules.
-        straight: costs of straight steps, and of the last step of a turn.
-        steering: costs of the other turn steps.
-        risks: of the apexes.
-        speeds_mps: apex speeds of straight steps.
-        steering_speeds_mps: apex speeds of turn steps.
-        corrections_cells: of the last turn step, least first.
-        dy2_range_m: Def. V.2.
-    """
-
-    limits: Limits
-    straight: Aim
-    steering: Aim
-    risks: RiskTable
-    speeds_mps: NDArray[np.float64]
-    steering_speeds_mps: NDArray[np.float64]
-    corrections_cells: NDArray[np.int64]
-    dy2_range_m: tuple[float, float]
-
-
-@lru_cache(maxsize=8)
-def rulebook(parameters: WalkingParameters, robot: Biped) -> Rulebook:
-    """Return the numbers of a walk in the form that Algorithm 1 takes; the first call for a walk takes a few seconds."""
-    p, omega = parameters, robot.omega_radps
-    common = (p.dy2_m, p.desired_duration_s, p.desired_width_m)
-    straight = Aim(p.dy1_m, *common, *p.cost_straight, p.fine_cell_m)
-    steering = Aim(0.0, *common, *p.cost_steering, p.fine_cell_m)
-    limits = Limits(omega, p.switch_speed_max_mps, p.safety_distance_m)
-    low, high = p.apex_speed_mps
-    tan, cells = math.tan(p.turn_rad), p.lateral_outcomes_cells
-    return Rulebook(
-        limits=limits,
-        straight=straight,
-        steering=steering,
-        risks=risk_table(p, limits, straight, steering),
-        speeds_mps=_speeds(low, high),
-        steering_speeds_mps=_speeds(low, min(high, p.steering_speed_max_mps)),
-        corrections_cells=np.array(sorted(range(-cells, cells + 1), key=abs), np.int64),
-        dy2_range_m=(high * tan / omega, low / (omega * tan)),
-    )
-
-
-def _speeds(low: float, high: float) -> NDArray[np.float64]:
-    count = math.floor((high - low) / SPEED_STEP_MPS + 1e-9)
-    return np.minimum(low + SPEED_STEP_MPS * np.arange(count + 1), high)
+from surefoot.walking.step_frame import StepFrame
 
 
 def plan_step(
@@ -97,7 +41,7 @@ def plan_step(
     if command.heading_change_rad and command.kind is not StepKind.WALK:
         return Unsafe("the heading cannot change in a start or a stop")
     book = rulebook(parameters, robot)
-    frame = _Frame.of(state, command)
+    frame = StepFrame.of(state, command)
     apex = Apex(
         *frame.into(state.com_m),
         *frame.into(state.stance_foot_m),
@@ -122,32 +66,6 @@ def plan_step(
     if not choice.found:
         return Unsafe(REASONS[Rule(choice.furthest)])
     return _finished(state, command, parameters, robot, frame, apex, choice, freedom, book, turn_step)
-
-
-@dataclass(frozen=True, slots=True)
-class _Frame:
-    """The frame of a step: origin at the waypoint, x along the new heading."""
-
-    x: float
-    y: float
-    yaw_rad: float
-    cos: float
-    sin: float
-
-    @classmethod
-    def of(cls, state: WalkingState, command: StepCommand) -> _Frame:
-        yaw = math.remainder(state.yaw_rad + command.heading_change_rad, math.tau)
-        return cls(state.waypoint_m[0], state.waypoint_m[1], yaw, math.cos(yaw), math.sin(yaw))
-
-    def into(self, point_m: Point) -> tuple[float, float]:
-        dx, dy = point_m[0] - self.x, point_m[1] - self.y
-        return self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx
-
-    def out(self, ahead_m: float, left_m: float) -> tuple[float, float]:
-        return self.x + self.cos * ahead_m - self.sin * left_m, self.y + self.sin * ahead_m + self.cos * left_m
-
-    def turned(self, ahead: float, left: float) -> tuple[float, float]:
-        return self.cos * ahead - self.sin * left, self.sin * ahead + self.cos * left
 
 
 def _next_node(command: StepCommand, state: WalkingState, turn_step: int, parameters: WalkingParameters) -> int:
@@ -189,7 +107,7 @@ def _finished(
     command: StepCommand,
     parameters: WalkingParameters,
     robot: Biped,
-    frame: _Frame,
+    frame: StepFrame,
     apex: Apex,
     choice: Choice,
     freedom: Freedom,
@@ -210,12 +128,12 @@ def _finished(
     com, rise_s, rest = state.com_m, None, None
     if starting:
         com = (*frame.out(0.0, choice.com_left_m), state.com_m[2])
-        support = _support(frame.into(state.stance_foot_m)[1], frame.into(state.other_foot_m)[1], robot)
-        rise_s = duration_s(support, STOP_SPEED_MPS, choice.com_left_m, frame.into(state.com_m)[1], omega)
+        feet = frame.into(state.stance_foot_m)[1], frame.into(state.other_foot_m)[1]
+        rise_s = shift_duration_s(*feet, STOP_SPEED_MPS, choice.com_left_m, frame.into(state.com_m)[1], robot)
         if rise_s is None:
             return Unsafe("no double support before the start keeps the centre of pressure between the feet")
     if stopping:
-        rest = _rest(chosen.next_foot_left_m, chosen.next_com_left_m, -apex.side, parameters, robot)
+        rest = rest_after(chosen.next_foot_left_m, chosen.next_com_left_m, parameters.dy2_m, STOP_SPEED_MPS, robot)
         if rest is None:
             return Unsafe("no double support after the stop keeps the centre of pressure between the feet")
     before = _offset(state)
@@ -254,9 +172,9 @@ def _finished(
         dy2_in_range=low <= abs(dy2) <= high,
         rise_s=rise_s,
         rise_com_m=state.com_m if starting else None,
-        rest_s=None if rest is None else rest[0],
-        rest_com_m=None if rest is None else (*frame.out(length, rest[1]), next_com[2]),
-        closing_foot_m=None if rest is None else (*frame.out(length, rest[2]), floor),
+        rest_s=None if rest is None else rest.duration_s,
+        rest_com_m=None if rest is None else (*frame.out(length, rest.com_left_m), next_com[2]),
+        closing_foot_m=None if rest is None else (*frame.out(length, rest.closing_left_m), floor),
         lateral_cells=int(choice.shift_cells),
         sagittal_cells=sagittal,
         turn_step=turn_step,
@@ -267,19 +185,3 @@ def _offset(state: WalkingState) -> float:
     """Return dy1 + dy2 of a state: lateral foot minus waypoint in its own heading."""
     dx, dy = state.stance_foot_m[0] - state.waypoint_m[0], state.stance_foot_m[1] - state.waypoint_m[1]
     return math.cos(state.yaw_rad) * dy - math.sin(state.yaw_rad) * dx
-
-
-def _support(foot_left_m: float, other_left_m: float, robot: Biped) -> Support:
-    return support_of(foot_left_m, other_left_m, robot.foot_half_length_m, robot.foot_half_width_m)
-
-
-def _rest(
-    foot_left_m: float, com_left_m: float, side: float, parameters: WalkingParameters, robot: Biped
-) -> tuple[float, float, float] | None:
-    """Return duration, lateral place of the CoM at rest (between the feet), and of the closing foot."""
-    apart = max(2 * parameters.dy2_m, abs(foot_left_m - com_left_m) + parameters.dy2_m)
-    closing = foot_left_m - side * apart
-    rest = 0.5 * (foot_left_m + closing)
-    support = _support(foot_left_m, closing, robot)
-    duration = duration_s(support, STOP_SPEED_MPS, com_left_m, rest, robot.omega_radps)
-    return None if duration is None else (duration, rest, closing)

@@ -1,16 +1,15 @@
 """How risky an apex is: how likely it leads, some steps on, to a command that no step can follow safely.
 
-The CoM can be steered sideways only through the apex speeds, one number a step. With steps of one length the feet's asymmetry about
-the waypoints hardly changes whatever the speeds, so an apex may satisfy every rule and still lead nowhere: the greedy choice
-of Algorithm 1 runs into such dead ends. Here commands are drawn at random from those that the action game may give, the
-next apex is chosen with the least risk, and the risk is the discounted probability that no choice is left. It is found by value
-iteration on a table over dy1, dy2 and apex speed, once for a walk. Left and right are mirrored, so that the stance foot is always
-the left one.
+The CoM can be steered sideways only through the apex speeds, one number a step. With steps of one length the feet's
+asymmetry about the waypoints hardly changes whatever the speeds, so an apex may satisfy every rule and still lead
+nowhere: the greedy choice of Algorithm 1 runs into such dead ends. Here commands are drawn at random from those that
+the action game may give, the next apex is chosen with the least risk, and the risk is the discounted probability that
+no choice is left. It is found by value iteration on a table over dy1, dy2 and apex speed, once for a walk. Left and
+right are mirrored, so that the stance foot is always the left one.
 """
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -36,8 +35,6 @@ _DY2_M = (0.0, 0.345, 24)
 _SPEEDS = 11
 START_OFFSETS_M = np.arange(0.005, 0.15, 0.005)
 """Lateral distances of the CoM from the stance foot at the apex from which a robot starts."""
-
-_NODE, _NEXT, _TURN, _LENGTH, _LOW, _HIGH, _SHIFTS, _AFTER = range(8)
 
 Array = NDArray[np.float64]
 
@@ -65,7 +62,7 @@ def turn_node(turn_type: str, done: int, turn_steps: int) -> int:
 def risk_table(parameters: WalkingParameters, limits: Limits, straight: Aim, steering: Aim) -> RiskTable:
     """Return the table of risks of a walk."""
     rows = _commands(parameters)
-    first = np.searchsorted(rows[:, _NODE], np.arange(rows[-1, _NODE] + 2)).astype(np.int64)
+    first = np.searchsorted(rows[:, 0], np.arange(rows[-1, 0] + 2)).astype(np.int64)
     low, high = parameters.apex_speed_mps
     axes = (_DY1_M, _DY2_M, (low, max(high, low + 0.01), _SPEEDS))
     table = RiskTable(
@@ -89,8 +86,8 @@ def _spacing(low: float, high: float, count: int) -> float:
 def _commands(parameters: WalkingParameters) -> Array:
     """Return the commands of every node, one a row, mirrored so that the left foot stands.
 
-    Columns: node, next node, heading change, length, least and most next speed, correction allowed, and the heading change that has
-    to be possible at the next apex (in its own mirrored frame).
+    Columns: node, next node, heading change, length, least and most next speed, correction allowed, and the heading
+    change that has to be possible at the next apex (in its own mirrored frame).
     """
     p, cell, k = parameters, parameters.fine_cell_m, parameters.turn_steps
     low, high = p.apex_speed_mps

@@ -60,7 +60,8 @@ class Limits(NamedTuple):
 class Apex(NamedTuple):
     """The current apex in the frame of the step.
 
-    The speed is that along the heading before the turn; ``side`` is +1 when the left foot stands, -1 when the right one does.
+    The speed is that along the heading before the turn; ``side`` is +1 when the left foot stands, -1 when the right one
+    does.
     """
 
     com_m: float

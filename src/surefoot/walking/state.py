@@ -91,8 +91,8 @@ def standing_state(
 ) -> WalkingState:
     """Return a robot that stands still, its feet side by side and its CoM between them.
 
-    The stance foot stands on the waypoint, as it nearly does after a stop: from there a start leads into a gait whose feet
-    are symmetric about the waypoints, and from feet on both sides of the waypoint it does not.
+    The stance foot stands on the waypoint, as it nearly does after a stop: from there a start leads into a gait whose
+    feet are symmetric about the waypoints, and from feet on both sides of the waypoint it does not.
 
     Args:
         position_m: the waypoint; z is the floor.

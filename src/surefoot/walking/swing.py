@@ -1,9 +1,9 @@
 """Curves of the foot in the air, continuous in position and velocity from step to step.
 
-A foot is lifted at a switch, passes beside the stance foot at the next apex, high enough for any step that may come, and is
-set down at the next switch. Horizontally each half is a cubic; its height rises by half a cosine in the first
-part of the half in which it is lifted, and falls by half a cosine in the last part of the half in which it is set down, so
-that it has height where it crosses a riser.
+A foot is lifted at a switch, passes beside the stance foot at the next apex, high enough for any step that may come,
+and is set down at the next switch. Horizontally each half is a cubic; its height rises by half a cosine in the first
+part of the half in which it is lifted, and falls by half a cosine in the last part of the half in which it is set
+down, so that it has height where it crosses a riser.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from surefoot.walking.state import Point
 
 CLEARANCE_M = 0.15
 HIGHEST_STEP_M = 0.2
-"""No step climbs more; the foot in the air is this much, and the clearance, above the higher of two feet at the apex."""
+"""No step climbs more; at the apex the foot in the air is so much, and the clearance, above the higher of both feet."""
 _BESIDE_M = 0.27
 _RISING_PART = 0.6
 _SPEED_RATIO = 2.0

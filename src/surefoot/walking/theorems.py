@@ -1,11 +1,11 @@
 """The safety theorems of walking, as margins: a condition holds when its margin is not negative.
 
-Source: Shamsah et al., T-RO 2023, Section IV-A and Appendices B-C, with these corrections. Theorem IV.1 holds as printed for
-apexes above their feet. Corollary IV.3 is the case of a turn away from the stance foot (the foot is behind the CoM in the
-new frame), Corollary IV.4 that of a turn toward it; their d runs from the CoM, not from the waypoint, to the next apex.
-Theorem IV.2 merges two cases of which only one applies: a turn toward the stance foot must get over the foot (Eq. 23), a turn away
-from it must not cross over the foot sideways (Eq. 24). Distances are metres, speeds metres per second, squares of speed
-(m/s)^2; ``dy2_m`` and ``turn_rad`` are magnitudes.
+Source: Shamsah et al., T-RO 2023, Section IV-A and Appendices B-C, with these corrections. Theorem IV.1 holds as
+printed for apexes above their feet. Corollary IV.3 is the case of a turn away from the stance foot (the foot is
+behind the CoM in the new frame), Corollary IV.4 that of a turn toward it; their d runs from the CoM, not from the
+waypoint, to the next apex. Theorem IV.2 merges two cases of which only one applies: a turn toward the stance foot
+must get over the foot (Eq. 23), a turn away from it must not cross over the foot sideways (Eq. 24). Distances are
+metres, speeds metres per second, squares of speed (m/s)^2; ``dy2_m`` and ``turn_rad`` are magnitudes.
 """
 
 from __future__ import annotations

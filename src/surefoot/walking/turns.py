@@ -1,11 +1,11 @@
 """Lengths of the steps of a quarter turn that end exactly on the centre of a fine cell.
 
-A quarter turn has k steps; step i first turns by 90/k degrees and then goes its length along the new heading. With f the
-way along the original heading and t the way toward the turn's side, lengths that are symmetric (l_i = l_(k-i)) obey
-t = f + l_k, so that one free length and a whole last step remove all drift. The nominal lengths of the papers are
-0.43 m for a step away from the stance foot and 0.28 m for a step toward it (Shamsah et al., T-RO 2023, Eqs. 8-9). The
-authors end a type-B turn with 0.47 m; with 0.52 m, the next whole number of cells, that step overshoots the bound on the switch
-speed in some runs, so it is 0.42 m here.
+A quarter turn has k steps; step i first turns by 90/k degrees and then goes its length along the new heading. With f
+the way along the original heading and t the way toward the turn's side, lengths that are symmetric (l_i = l_(k-i))
+obey t = f + l_k, so that one free length and a whole last step remove all drift. The nominal lengths of the papers
+are 0.43 m for a step away from the stance foot and 0.28 m for a step toward it (Shamsah et al., T-RO 2023, Eqs. 8-9).
+The authors end a type-B turn with 0.47 m; with 0.52 m, the next whole number of cells, that step overshoots the bound
+on the switch speed in some runs, so it is 0.42 m here.
 """
 
 from __future__ import annotations
