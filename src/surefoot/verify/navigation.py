@@ -67,10 +67,10 @@ def read_table(plan: PlanFile, scene: Scene, ledger: Ledger) -> Table:
     """Read the rows of a navigation strategy; duplicate and malformed ones are refused."""
     arrays, obstacles = plan.navigation, len(scene.scenario.obstacles)
     source = plan.path.parent / "navigation.npz"
-    if not np.array_equal(arrays["domain"], np.array(scene.domain, np.int64)):
+    if obstacles and not np.array_equal(arrays["domain"], np.array(scene.domain, np.int64)):
         ledger.refuse("rules.md 4, obstacle domain", "is not the scenario's", "navigation.npz domain")
         return Table({}, ())
-    if arrays["visible"].shape[1] != obstacles or arrays["hidden"].shape[1] != (len(scene.domain) + 7) // 8:
+    if arrays["visible"].shape[1] != obstacles or arrays["hidden"].shape[1] != (len(arrays["domain"]) + 7) // 8:
         raise InputError("has columns for another number of obstacles or cells", source=source, key="visible")
     row_of: dict[Decision, int] = {}
     place = {cell: bit for bit, cell in enumerate(scene.domain)}

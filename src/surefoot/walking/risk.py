@@ -30,9 +30,9 @@ COST_WEIGHT = 0.002
 _DISCOUNT = 0.95
 _TOLERANCE = 1e-3
 _SWEEPS = 60
-_DY1_M = (-0.3, 0.5, 33)
-_DY2_M = (0.0, 0.345, 24)
-_SPEEDS = 11
+_DY1_M = (-0.4, 0.52, 24)
+_DY2_M = (0.0, 0.345, 47)
+_SPEEDS = 6
 START_OFFSETS_M = np.arange(0.005, 0.15, 0.005)
 """Lateral distances of the CoM from the stance foot at the apex from which a robot starts."""
 
