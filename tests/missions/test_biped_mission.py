@@ -99,7 +99,7 @@ def test_an_unrealizable_scenario_names_the_goal_and_leaves_no_plan(scenes: Path
         (("map: two_rooms.yaml", "map: nowhere.yaml"), "nowhere.yaml"),
         (("cell_size_m: 2.70351", "cell_size_m: -1"), "cell_size_m"),
         (("range_m: 10.82", "range_m: .nan"), "range_m"),
-        (("risers: 12", "risers: 11"), "heights.stairs"),
+        (("risers: 12", "risers: 11"), r"between \(2, 8\) and \(2, 7\)"),
         (("walking: {}", "walking: {straight_cells: [25]}"), "walking.straight_cells"),
     ],
 )

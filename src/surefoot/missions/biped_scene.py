@@ -196,21 +196,29 @@ def _check_reachable(coarse: CoarseMap, start: Cell, goal: Cell, key: str) -> No
     if goal in reached:
         return
     walls = separating_cells(grid, start, goal)
-    what = ", ".join(str(tuple(cell)) for cell in walls)
-    reason = f"the blocked cells {what} separate them" if walls else "a difference in height separates them"
+    if walls:
+        reason = f"the blocked cells {', '.join(str(tuple(cell)) for cell in walls)} separate them"
+    else:
+        pairs = [
+            f"{tuple(cell)} and {tuple(near)}"
+            for cell in sorted(reached)
+            for near in map(cell.neighbour, Direction)
+            if grid.is_free(near) and near not in reached
+        ]
+        reason = f"no way leads over the difference in height between {', '.join(pairs[:3])}"
     raise InputError(f"the cell {tuple(goal)} cannot be reached from the start {tuple(start)}: {reason}", key=key)
 
 
 def separating_cells(grid: CoarseGrid, start: Cell, goal: Cell) -> tuple[Cell, ...]:
     """Return the fewest blocked cells that would have to be free for a way from one cell to another."""
-    queue: list[tuple[int, Cell]] = [(0, start)]
-    best: dict[Cell, tuple[int, Cell | None]] = {start: (0, None)}
+    queue: list[tuple[tuple[int, int], Cell]] = [((0, 0), start)]
+    best: dict[Cell, tuple[tuple[int, int], Cell | None]] = {start: ((0, 0), None)}
     while queue:
-        cost, cell = heappop(queue)
+        (blocked, length), cell = heappop(queue)
         for direction in Direction:
             near = cell.neighbour(direction)
-            toll = cost + (not grid.is_free(near))
-            if grid.has(near) and toll < best.get(near, (toll + 1, None))[0]:
+            toll = (blocked + (not grid.is_free(near)), length + 1)
+            if grid.has(near) and (near not in best or toll < best[near][0]):
                 best[near] = (toll, cell)
                 heappush(queue, (toll, near))
     way, place = [], best[goal][1]

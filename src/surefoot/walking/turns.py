@@ -46,30 +46,29 @@ def booked_displacements(lengths_cells: tuple[float, ...], turn_rad: float) -> t
 
 
 def default_lengths(turn_steps: int, turn_type: str) -> tuple[float, ...]:
-    """Derive drift-free lengths near the nominal pattern.
+    """Derive drift-free lengths near the nominal pattern, which alternates between long and short steps.
+
+    When k is even the pattern is symmetric but for its last length, and the long lengths are stretched to make f
+    whole. When k is odd it is not, and equal lengths would carry the CoM out of the turn; all lengths are then
+    changed as little as makes f and t whole.
 
     Args:
         turn_steps: k, how many steps make a quarter turn.
         turn_type: ``A`` (the first step is away from the stance foot) or ``B`` (it is toward it).
 
     Returns:
-        k lengths in fine cells: symmetric but for the last one, which is whole.
+        k lengths in fine cells.
     """
-    nominal = _nominal_lengths(turn_steps, turn_type)
-    body = [(nominal[i] + nominal[turn_steps - 2 - i]) / 2 for i in range(turn_steps - 1)]
-    last = max(1, round(nominal[-1]))
-    free = [i for i, length in enumerate(body) if length > _SHORT_CELLS + 1e-9] or list(range(len(body)))
-    turn_rad = math.pi / 2 / turn_steps
-    cosines = [math.cos((i + 1) * turn_rad) for i in range(turn_steps - 1)]
-    forward = sum(length * cosine for length, cosine in zip(body, cosines, strict=True))
-    given = sum(body[i] * cosines[i] for i in range(len(body)) if i not in free)
-    scale = (max(1, round(forward)) - given) / (forward - given)
-    return (*(length * scale if i in free else length for i, length in enumerate(body)), float(last))
-
-
-def _nominal_lengths(turn_steps: int, turn_type: str) -> list[float]:
     first_is_long = turn_type == "A"
-    return [_LONG_CELLS if (i % 2 == 0) == first_is_long else _SHORT_CELLS for i in range(turn_steps)]
+    nominal = [_LONG_CELLS if (i % 2 == 0) == first_is_long else _SHORT_CELLS for i in range(turn_steps)]
+    if turn_steps % 2:
+        return _whole(tuple(nominal))
+    turn_rad = math.pi / 2 / turn_steps
+    body = nominal[:-1]
+    long = sum(length * math.cos(i * turn_rad) for i, length in enumerate(body, 1) if length == _LONG_CELLS)
+    short = sum(length * math.cos(i * turn_rad) for i, length in enumerate(body, 1) if length == _SHORT_CELLS)
+    stretch = (max(1, round(long + short)) - short) / long if long else 1.0
+    return (*(length * stretch if length == _LONG_CELLS else length for length in body), float(round(nominal[-1])))
 
 
 def drift_free(lengths_cells: tuple[float, ...], key: str) -> tuple[float, ...]:
@@ -86,17 +85,19 @@ def drift_free(lengths_cells: tuple[float, ...], key: str) -> tuple[float, ...]:
             f"both must be whole numbers up to {END_TOLERANCE_CELLS}",
             key=key,
         )
-    return _least_change(lengths_cells, missing)
+    return _whole(lengths_cells)
 
 
-def _least_change(lengths: tuple[float, ...], missing: tuple[float, float]) -> tuple[float, ...]:
-    """Spread a missing end displacement over the lengths with the least sum of squares."""
+def _whole(lengths: tuple[float, ...]) -> tuple[float, ...]:
+    """Return lengths that end on the nearest cell centre, changed with the least sum of squares."""
+    forward, sideways = quarter_turn_end(lengths)
+    missing = (round(forward) - forward, round(sideways) - sideways)
     turn_rad = math.pi / 2 / len(lengths)
     columns = [(math.cos(i * turn_rad), math.sin(i * turn_rad)) for i in range(1, len(lengths) + 1)]
     a = sum(c * c for c, _ in columns)
     b = sum(c * s for c, s in columns)
     d = sum(s * s for _, s in columns)
     determinant = a * d - b * b
-    forward = (d * missing[0] - b * missing[1]) / determinant
-    sideways = (a * missing[1] - b * missing[0]) / determinant
-    return tuple(length + c * forward + s * sideways for length, (c, s) in zip(lengths, columns, strict=True))
+    p = (d * missing[0] - b * missing[1]) / determinant
+    q = (a * missing[1] - b * missing[0]) / determinant
+    return tuple(length + c * p + s * q for length, (c, s) in zip(lengths, columns, strict=True))
