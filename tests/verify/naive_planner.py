@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +43,6 @@ class Cheats:
     collisions: bool = True
     narrow: Callable[[Obstacle, int], int] | None = None
     booking: Booking = booked
-    claim: dict[str, Any] = field(default_factory=dict)
 
 
 def write_map(folder: Path, picture: list[str], pixels: int, resolution_m: float) -> Path:
@@ -68,7 +67,6 @@ def write_plan(scenario_path: Path, folder: Path, cheats: Cheats | None = None) 
     folder.mkdir(exist_ok=True)
     np.savez(folder / "navigation.npz", **_navigation(scene, claims, cheats))
     np.savez(folder / "action.npz", **_action(scene, claims, cheats))
-    document.update(cheats.claim)
     write_document(folder, document)
     return folder
 

@@ -12,6 +12,7 @@ import pytest
 from naive_planner import Cheats, read_rows, rewrite, write_document
 
 from conftest import Planner
+from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.verify import Report, verify_path
 from surefoot.verify.action_moves import booked
@@ -219,6 +220,27 @@ def test_changed_stairs_are_refused(two_rooms_plan: Path, name: str) -> None:
     shutil.copytree(two_rooms_plan, copy)
     change_document(copy, STAIRS[name])
     assert "rules.md 2, profiles" in rules(verify_path(copy))
+
+
+def test_shorter_steps_on_stairs_are_refused(two_rooms_plan: Path) -> None:
+    copy = two_rooms_plan.parent / "changed"
+    shutil.rmtree(copy, ignore_errors=True)
+    shutil.copytree(two_rooms_plan, copy)
+    contexts = json.loads((copy / "plan.json").read_text())["contexts"]
+    stairs = [number for number, context in enumerate(contexts) if context["here"]]
+    rows = read_rows(copy, "action.npz")
+    climbing = np.isin(rows["context"], stairs) & (rows["action"] == 6)
+    rows["action"][climbing] = 7
+    rewrite(copy, "action.npz", rows)
+    assert "rules.md 5, stairs" in rules(verify_path(copy))
+
+
+def test_second_obstacle_is_bad_input(naive_plan: Path) -> None:
+    scenario = naive_plan.parent / "scenario.yaml"
+    scenario.write_text(scenario.read_text().replace("obstacles: [", "obstacles: [{start_m: [0.5, 0.5]}, "))
+    change_document(naive_plan, lambda plan: plan["scenario"].update(sha256=sha256_of(scenario)))
+    with pytest.raises(InputError, match="obstacles"):
+        verify_path(naive_plan)
 
 
 def test_stale_scenario_is_bad_input(naive_plan: Path) -> None:

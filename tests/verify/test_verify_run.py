@@ -17,16 +17,6 @@ Records = list[dict[str, Any]]
 Change = Callable[[Records], object]
 
 
-@pytest.fixture(scope="session")
-def walked(tutorial_plan: Path, scenes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the run of a mission."""
-    from surefoot.missions.biped import run_mission
-
-    out = tutorial_plan.parent / "run"
-    run_mission(scenes / "tutorial_mission.yaml", tutorial_plan, steps=120, seed=5, obstacle="adversarial", out=out)
-    return out
-
-
 @pytest.fixture
 def run(walked: Path) -> Path:
     """Return a copy of the run beside the plan that it names."""

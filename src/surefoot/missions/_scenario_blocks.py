@@ -143,14 +143,14 @@ class WalkingBlock(Block):
     """Numbers of the gait. What is not given gets the default of `surefoot.walking.walking_parameters`."""
 
     fine_cells: Annotated[
-        int | None, Field(ge=4, le=200, description="fine cells per side of a coarse cell; default: one per 0.104 m")
+        int | None, Field(ge=4, le=200, description="fine cells per side of a coarse cell; default: one per 0.104 m, at least 26")
     ] = None
     turn_angle_deg: Annotated[
         float | None, Field(gt=0, le=90, description="heading change of a turn step; must divide 90; default 22.5")
     ] = None
     straight_cells: Annotated[
         tuple[Annotated[int, Field(ge=1, le=200)], ...] | None,
-        Field(min_length=1, max_length=16, description="lengths of straight steps in fine cells; default [4, 3, 5]"),
+        Field(min_length=1, max_length=16, description="lengths of straight steps in fine cells; default [4, 3, 2]"),
     ] = None
     pre_step_cells: Annotated[int | None, Field(ge=1, le=200, description="default 4")] = None
     stop_cells: Annotated[int | None, Field(ge=1, le=200, description="default 2")] = None

@@ -6,9 +6,8 @@ import platform
 import statistics
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numba
 import numpy as np
@@ -222,6 +221,7 @@ class _Walk:
 
     def run(self) -> None:
         """Walk until the steps are used up, or no safe step is left."""
+        self._arrive()
         idle = 0
         while self.steps < self.limit and not self.halted:
             before = self.steps
@@ -242,12 +242,15 @@ class _Walk:
             time_s=self.time_s,
         )
 
-    def _decide(self) -> Order:
-        """Book a reached goal, ask the navigation strategy for an order, and log the turn."""
+    def _arrive(self) -> None:
+        """Book a goal that the robot has come to."""
         if self.cell == self.scene.problem.goals[self.goal]:
             self.goals_reached[self.goal] += 1
             self.progress(f"step {self.steps}: goal {self.goal} reached ({self.goals_reached[self.goal]})")
         self.goal = self.plan.navigation.advance(self.goal, self.cell)
+
+    def _decide(self) -> Order:
+        """Ask the navigation strategy for an order, and log the turn."""
         try:
             order = self.plan.navigation.decide(self.cell, self.heading, self.knowledge, self.goal)
         except KeyError as problem:
@@ -292,6 +295,7 @@ class _Walk:
             achieved = self._book(step, action, target)
         if not order.waits:
             self.cell, self.heading = target, order.direction
+            self._arrive()
         return True
 
     def _halt(self, unsafe: Unsafe) -> None:
@@ -313,7 +317,7 @@ class _Walk:
             fine=before._asdict(),
             action=action,
             outcome={"sagittal": step.sagittal_cells, "lateral": step.lateral_cells},
-            **step_record(step),
+            **step.record(),
         )
         crossed = moved.achieved and action != Action.STOP
         if not self.fine_steps.contains(target if crossed else self.cell, moved.state, step.next_waypoint_m):
@@ -355,11 +359,3 @@ class _Walk:
             if state.visible == visible and not hidden & ~state.hidden:
                 return state
         raise AssumptionViolated("the obstacles moved in a way that the belief does not contain")
-
-
-def step_record(step: WalkingStep) -> dict[str, Any]:
-    """Return the fields of a walking step that a log holds, absent ones left out."""
-    content = {field.name: getattr(step, field.name) for field in fields(step)}
-    content["stance"] = step.stance.name.lower()
-    elsewhere = ("lateral_cells", "sagittal_cells", "turn_step")
-    return {name: value for name, value in content.items() if value is not None and name not in elsewhere}

@@ -223,12 +223,15 @@ def build_navigation_game(problem: NavigationProblem, deadline: Deadline | None 
         blocked.append(order.direction if waits_in_vain and order is not None else -1)
     keys = np.array(list(nodes), np.int32).reshape(-1, 4)
     order_code = keys[:, 2].astype(np.int8)
+    moves = (order_code >= 0) & (order_code < 4)
+    # A goal is visited by the turn that arrives there; standing in it does not visit it again.
+    arrives_at = np.where(moves, problem.coarse.target[keys[:, 0], np.where(moves, order_code, 0)], -1)
     arena = Arena(
         system=order_code < 0,
         first=np.array(first, np.int64),
         successors=np.array(successors, np.int32),
         lost=np.array(lost, np.bool_),
-        goals=np.array([(keys[:, 0] == goal) & (order_code < 0) for goal in problem.goals]),
+        goals=np.array([arrives_at == goal for goal in problem.goals]),
         justices=_justices(order_code, np.array(blocked, np.int8)),
     )
     return NavigationGame(

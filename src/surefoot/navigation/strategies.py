@@ -47,7 +47,7 @@ class NavigationStrategy:
         return Order.of(next(iter(self.orders.values())))
 
     def advance(self, goal: int, cell: int) -> int:
-        """Return the index of the next goal on arrival in a cell."""
+        """Return the index of the next goal when a move, or the start, brings the robot into a cell."""
         return (goal + 1) % len(self.goals) if cell == self.goals[goal] else goal
 
     def decide(self, cell: int, heading: Direction, state: ObstacleState, goal: int) -> Order:

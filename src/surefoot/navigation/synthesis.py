@@ -89,19 +89,20 @@ def extract_navigation_strategy(game: NavigationGame, solution: Solution) -> Nav
     arena, goals = game.arena, game.problem.goals
     orders: dict[tuple[int, int, tuple[int, ...], int, int], int] = {}
 
-    def advance(node: int, goal: int) -> tuple[int, int]:
-        return node, (goal + 1) % len(goals) if game.cell[node] == goals[goal] else goal
+    def advance(cell: int, goal: int) -> int:
+        return (goal + 1) % len(goals) if cell == goals[goal] else goal
 
-    queue = deque([advance(0, 0)])
+    queue = deque([(0, advance(game.problem.start, 0))])
     met = set(queue)
     while queue:
         node, goal = queue.popleft()
         turn = int(arena.successors[arena.first[node] + solution.choice[goal, node]])
         state = game.states[game.knowledge[node]]
         key = (int(game.cell[node]), int(game.heading[node]), state.visible, state.hidden, goal)
-        orders[key] = int(game.order[turn])
+        order = Order.of(int(game.order[turn]))
+        orders[key] = order.code
         for successor in arena.successors[arena.first[turn] : arena.first[turn + 1]].tolist():
-            after = advance(successor, goal)
+            after = (successor, goal if order.waits else advance(int(game.cell[successor]), goal))
             if after not in met:
                 met.add(after)
                 queue.append(after)
@@ -144,8 +145,8 @@ class _TrueObstacleProduct:
         for index, (cell, heading, knowledge, memory, truth) in enumerate(queue):
             order = strategy.decide(cell, heading, knowledge, memory)
             arrival, facing = rules.arrival(cell, heading, order)
-            memory_after = strategy.advance(memory, arrival)
-            if memory_after != memory or arrival == problem.goals[memory]:
+            memory_after = memory if order.waits else strategy.advance(memory, arrival)
+            if not order.waits and arrival == problem.goals[memory]:
                 self.progress.append(index)
             for truth_after, after in self._moves(rules, cell, arrival, order, knowledge, truth):
                 situation = (arrival, facing, after, memory_after, truth_after)

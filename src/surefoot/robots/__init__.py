@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from surefoot.robots.biped import Biped, biped
+from surefoot.robots.quadruped import Quadruped, quadruped
 
-__all__ = ["Biped", "biped"]
+__all__ = ["Biped", "Quadruped", "biped", "quadruped"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -107,7 +108,7 @@ def _check_hash(path: Path, expected: str, stale: InputError) -> None:
     try:
         found = sha256_of(path)
     except (OSError, ValueError) as problem:
-        raise InputError("cannot be read", source=path) from problem
+        raise InputError("cannot be read", source=os.path.normpath(path)) from problem
     if found != expected:
         raise stale
 
@@ -139,15 +140,20 @@ def _read_arrays(path: Path, shapes: Mapping[str, tuple[str, int]], apart: set[s
     try:
         with zipfile.ZipFile(path) as archive:
             size = sum(item.file_size for item in archive.infolist())
-        if size > LARGEST_ARRAYS_BYTES:
-            raise InputError(f"unpacks to more than {LARGEST_ARRAYS_BYTES} bytes", source=path)
-        with np.load(path, allow_pickle=False) as archive:
-            found: Arrays = {name: archive[name] for name in shapes if name in archive.files}
-    except (OSError, ValueError, zipfile.BadZipFile, EOFError, KeyError, NotImplementedError) as problem:
+        found = _loaded(path, shapes) if size <= LARGEST_ARRAYS_BYTES else {}
+    except Exception as problem:  # what numpy and zipfile raise on broken bytes is open-ended
         raise InputError("is not a whole npz file of plain arrays", source=path) from problem
+    if size > LARGEST_ARRAYS_BYTES:
+        raise InputError(f"unpacks to more than {LARGEST_ARRAYS_BYTES} bytes", source=path)
     for name, (kind, axes) in shapes.items():
         if name not in found or found[name].dtype != np.dtype(kind) or found[name].ndim != axes:
             raise InputError(f"has to be an array of {kind} with {axes} axes", source=path, key=name)
     if len({len(found[name]) for name in shapes if name not in apart}) != 1:
         raise InputError("holds arrays of different lengths", source=path)
     return found
+
+
+def _loaded(path: Path, shapes: Mapping[str, tuple[str, int]]) -> Arrays:
+    """Return those arrays of a file that are asked for."""
+    with np.load(path, allow_pickle=False) as archive:
+        return {name: archive[name] for name in shapes if name in archive.files}

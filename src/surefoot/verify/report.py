@@ -8,11 +8,12 @@ from surefoot.errors import InputError
 from surefoot.verify.findings import Ledger, Report
 
 
-def verify_path(path: Path) -> Report:
-    """Check a saved plan or run with code that shares nothing with what made it.
+def verify_path(path: Path, specification: Path | None = None) -> Report:
+    """Check a saved plan, run or strategy with code that shares nothing with what made it.
 
     Args:
-        path: a plan folder or its ``plan.json``, a run folder or its ``run.jsonl``.
+        path: a plan folder or its ``plan.json``, a run folder or its ``run.jsonl``, or a strategy's JSON file.
+        specification: where a strategy's specification is; None: where the strategy says.
 
     Returns:
         Whether the artefact is accepted, what is wrong with it, and counts.
@@ -23,6 +24,13 @@ def verify_path(path: Path) -> Report:
     """
     folder = path if path.is_dir() else path.parent
     ledger = Ledger()
+    if _kind(path) == "gr1-strategy":
+        from surefoot.verify.gr1_check import check_strategy
+
+        check_strategy(path, ledger, specification)
+        return ledger.report("gr1-strategy")
+    if specification is not None:
+        raise InputError("is no strategy, and only strategies have a specification", source=path)
     if (folder / "run.jsonl").is_file() and path.name != "plan.json":
         from surefoot.verify.run_check import check_run
 
@@ -34,3 +42,14 @@ def verify_path(path: Path) -> Report:
         check_plan(folder, ledger)
         return ledger.report("biped-plan")
     raise InputError("holds neither plan.json nor run.jsonl", source=path)
+
+
+def _kind(path: Path) -> str | None:
+    """Return the kind of a JSON artefact that is no plan; None for everything else."""
+    if path.suffix != ".json" or path.name == "plan.json" or not path.is_file():
+        return None
+    from surefoot.verify.artefacts import parse_json, read_bytes
+
+    value = parse_json(read_bytes(path), path)
+    kind = value.get("kind") if isinstance(value, dict) else None
+    return kind if isinstance(kind, str) else None

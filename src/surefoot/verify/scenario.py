@@ -187,7 +187,7 @@ def _walking(fields: Fields, cell_size_m: float) -> dict[str, float | tuple[floa
     """Return the walking block with its defaults; turn lengths only when they are given."""
     fields.only(WALKING_KEYS)
     found: dict[str, float | tuple[float, ...]] = {
-        "fine_cells": fields.whole("fine_cells", max(1, math.floor(cell_size_m / 0.104 + 0.5)), least=1, most=1000),
+        "fine_cells": fields.whole("fine_cells", max(26, math.floor(cell_size_m / 0.104 + 0.5)), least=1, most=1000),
         "turn_angle_deg": fields.number("turn_angle_deg", 22.5),
         "straight_cells": fields.wholes("straight_cells") if fields.has("straight_cells") else (4, 3, 2),
     }

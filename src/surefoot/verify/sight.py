@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+WALLS_AT_ONCE = 64
+
 
 def sight(free: NDArray[np.bool_], cell_size_m: float, range_m: float, corners_hide: bool) -> NDArray[np.bool_]:
     """Return (cells, cells) which free cell sees which, by row * columns + column.
@@ -37,21 +39,20 @@ def sight(free: NDArray[np.bool_], cell_size_m: float, range_m: float, corners_h
 def _hidden(
     eye: NDArray[np.int64], targets: NDArray[np.int64], walls: NDArray[np.int64], corners_hide: bool
 ) -> NDArray[np.bool_]:
-    """Return which targets some wall hides from the eye."""
+    """Return which targets some wall hides from the eye; walls are taken in blocks to save memory."""
     start = 2 * eye + 1
-    ends = 2 * targets + 1
-    hidden = np.zeros(len(targets), bool)
+    ends = 2 * targets[:, None, :] + 1
     along = ends - start
+    nearest, farthest = np.minimum(start, ends), np.maximum(start, ends)
+    hidden = np.zeros(len(targets), bool)
     margin = 0 if corners_hide else 1
-    for wall in walls:
-        low, high = 2 * wall, 2 * wall + 2
-        nearest, farthest = np.minimum(start, ends), np.maximum(start, ends)
-        meets = ((farthest - low >= margin) & (high - nearest >= margin)).all(axis=1)
-        sides = [
-            along[:, 0] * (corner_column - start[1]) - along[:, 1] * (corner_row - start[0])
-            for corner_row in (low[0], high[0])
-            for corner_column in (low[1], high[1])
-        ]
-        least, most = np.min(sides, axis=0), np.max(sides, axis=0)
-        hidden |= meets & (least <= -margin) & (most >= margin)
+    for block in range(0, len(walls), WALLS_AT_ONCE):
+        low = 2 * walls[None, block : block + WALLS_AT_ONCE, :]
+        meets = ((farthest - low >= margin) & (low + 2 - nearest >= margin)).all(axis=2)
+        gap = low - start
+        first = along[..., 0] * gap[..., 1] - along[..., 1] * gap[..., 0]
+        right, down = 2 * along[..., 0], -2 * along[..., 1]
+        corners = [first, first + right, first + down, first + right + down]
+        least, most = np.minimum.reduce(corners), np.maximum.reduce(corners)
+        hidden |= (meets & (least <= -margin) & (most >= margin)).any(axis=1)
     return hidden

@@ -15,7 +15,7 @@ from surefoot.verify.graphs import can_reach
 from surefoot.verify.navigation import WAIT, Play, describe
 from surefoot.verify.scene import Scene
 
-MOST_STATES = 400_000_000
+MOST_STATES = 100_000_000
 Ints = NDArray[Any]
 
 

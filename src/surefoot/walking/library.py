@@ -113,7 +113,8 @@ def _admits(parameters: WalkingParameters, omega: float, name: str, index: int) 
         return lambda lengths: _straight(lengths, speeds, final, omega, parameters.switch_speed_max_mps)
     final = np.linspace(low, parameters.steering_speed_max_mps, 51)
     away = is_away(name[5].upper(), index + 1)
-    return lambda lengths: _turning(lengths, speeds, final, omega, parameters, away)
+    before = final if index else speeds
+    return lambda lengths: _turning(lengths, before, final, omega, parameters, away)
 
 
 def _straight(lengths: Array, speeds: Array, final: Array, omega: float, fastest: float) -> NDArray[np.bool_]:

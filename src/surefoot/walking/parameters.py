@@ -12,6 +12,8 @@ from surefoot.errors import InputError
 from surefoot.walking.turns import default_lengths, drift_free
 
 _TYPICAL_FINE_CELL_M = 0.104
+_FEWEST_BY_DEFAULT = 26
+"""A cell needs room for a turn and its deviations; in cells below 2.7 m the steps shrink with the fine cells."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +101,7 @@ def walking_parameters(cell_size_m: float, **given: Any) -> WalkingParameters:
         value = given.get(name)
         return check(default if value is None else value, f"walking.{name}", *bounds)
 
-    fine = take("fine_cells", max(4, round(cell_m / _TYPICAL_FINE_CELL_M)), _integer, 4, 64)
+    fine = take("fine_cells", max(_FEWEST_BY_DEFAULT, round(cell_m / _TYPICAL_FINE_CELL_M)), _integer, 4, 64)
     angle, steps = take("turn_angle_deg", 22.5, _turn_angle)
     speeds = take("apex_speed_mps", (0.2, 0.7), _numbers, 2, 0.11, 2.0)
     if speeds[1] < speeds[0]:

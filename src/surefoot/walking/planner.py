@@ -84,16 +84,13 @@ _STOP_SPEED = np.array([STOP_SPEED_MPS])
 
 def _freedom(command: StepCommand, apex: Apex, parameters: WalkingParameters, book: Rulebook) -> Freedom:
     turning = command.heading_change_rad != 0
-    deviations = range(1, command.sagittal_outcomes_cells + 1) if not turning else ()
-    lengths = [command.length_m]
-    for cells in deviations:
-        lengths += [
-            command.length_m - cells * parameters.fine_cell_m,
-            command.length_m + cells * parameters.fine_cell_m,
-        ]
+    cell = parameters.fine_cell_m
+    most = 0 if turning else command.sagittal_outcomes_cells
+    deviating = [command.length_m + e * cell for e in range(-most, most + 1) if e]
+    lengths = [command.length_m, *(length for length in deviating if length > 0.5 * cell)]
     speeds = book.steering_speeds_mps if turning else book.speeds_mps
     return Freedom(
-        np.array([length for length in lengths if length > 0.5 * parameters.fine_cell_m]),
+        np.array(lengths),
         _STOP_SPEED if command.kind is StepKind.STOP else speeds,
         apex.foot_left_m - apex.side * START_OFFSETS_M
         if command.kind is StepKind.START

@@ -63,7 +63,7 @@ def _com(step: WalkingStep, time: Array) -> tuple[Array, Array]:
     """Return position and velocity of the CoM."""
     position, velocity = np.empty((time.size, 3)), np.zeros((time.size, 3))
     rise, walk = step.rise_s or 0.0, step.first_half_s + step.second_half_s
-    before, after = time < rise, time > rise + walk
+    before, after = time < rise, (time > rise + walk) & (step.rest_s is not None)
     during = ~(before | after)
     zero = (0.0, 0.0, 0.0)
     if step.rise_com_m is not None:
@@ -76,7 +76,7 @@ def _com(step: WalkingStep, time: Array) -> tuple[Array, Array]:
         position[after], velocity[after] = _cubic_3d(
             u, step.rest_s, step.next_com_m, (*step.next_velocity_mps, 0.0), step.rest_com_m, zero
         )
-    position[during], velocity[during] = _single_support(step, time[during] - rise)
+    position[during], velocity[during] = _single_support(step, np.clip(time[during] - rise, 0.0, walk))
     return position, velocity
 
 

@@ -65,10 +65,12 @@ def default_lengths(turn_steps: int, turn_type: str) -> tuple[float, ...]:
         return _whole(tuple(nominal))
     turn_rad = math.pi / 2 / turn_steps
     body = nominal[:-1]
-    long = sum(length * math.cos(i * turn_rad) for i, length in enumerate(body, 1) if length == _LONG_CELLS)
-    short = sum(length * math.cos(i * turn_rad) for i, length in enumerate(body, 1) if length == _SHORT_CELLS)
-    stretch = (max(1, round(long + short)) - short) / long if long else 1.0
-    return (*(length * stretch if length == _LONG_CELLS else length for length in body), float(round(nominal[-1])))
+    stretched = [length == max(body) for length in body]
+    ahead = [length * math.cos(i * turn_rad) for i, length in enumerate(body, 1)]
+    free = sum(length for length, is_free in zip(ahead, stretched, strict=True) if is_free)
+    stretch = 1 + (max(1, round(sum(ahead))) - sum(ahead)) / free
+    lengths = [length * stretch if is_free else length for length, is_free in zip(body, stretched, strict=True)]
+    return (*lengths, float(round(nominal[-1])))
 
 
 def drift_free(lengths_cells: tuple[float, ...], key: str) -> tuple[float, ...]:

@@ -1,0 +1,155 @@
+"""From what pydantic refuses to sentences: file, line, key, what is wrong and what is allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from surefoot.errors import InputError
+from surefoot.documents.yaml_lines import Loc, dotted
+
+_SHOWN_CHARACTERS = 60
+_MOST_PROBLEMS = 50
+
+
+class FileProblems(InputError):
+    """Every problem of one file; the text has one line for each.
+
+    Attributes:
+        problems: each with its own source, line and key.
+    """
+
+    def __init__(self, problems: Iterable[InputError]) -> None:
+        self.problems = tuple(sorted(problems, key=lambda problem: problem.line or 0))
+        shown = [str(problem) for problem in self.problems[:_MOST_PROBLEMS]]
+        if len(self.problems) > len(shown):
+            shown.append(f"... and {len(self.problems) - len(shown)} more problems")
+        super().__init__("\n".join(shown))
+        first = self.problems[0]
+        self.source, self.line, self.key = first.source, first.line, first.key
+
+
+def problems_of(
+    refused: ValidationError, schema: Mapping[str, Any], path: Path, lines: Mapping[Loc, int]
+) -> list[InputError]:
+    """Return one InputError for each complaint of pydantic.
+
+    Args:
+        refused: what pydantic raised.
+        schema: the JSON Schema of the model, to say which keys and values are allowed.
+        path: the file.
+        lines: where each place stands in it.
+    """
+    found: dict[tuple[Loc, str], InputError] = {}
+    for detail in refused.errors(include_url=False):
+        for loc, message in _places(detail, schema):
+            found.setdefault(
+                (loc, message), InputError(message, source=path, line=_line(loc, lines), key=dotted(loc) or None)
+            )
+    return list(found.values())
+
+
+def _line(loc: Loc, lines: Mapping[Loc, int]) -> int | None:
+    return next((lines[loc[:size]] for size in range(len(loc), -1, -1) if loc[:size] in lines), None)
+
+
+def _places(detail: ErrorDetails, schema: Mapping[str, Any]) -> list[tuple[Loc, str]]:
+    context = detail.get("ctx", {})
+    if detail["type"] == "several":
+        return list(context["problems"])
+    loc = detail["loc"]
+    parent = _at(schema, loc[:-1])
+    size = len(parent.get("prefixItems", ()))
+    if size and detail["type"] == "missing":
+        return [(loc[:-1], f"needs exactly {size} numbers")]
+    here = _at(schema, loc)
+    size = len(here.get("prefixItems", ()))
+    if size and detail["type"] in {"too_long", "tuple_type"}:
+        return [(loc, f"needs a list of exactly {size} numbers")]
+    return [(loc, _sentence(detail, context, parent, here))]
+
+
+def _sentence(
+    detail: ErrorDetails, context: Mapping[str, Any], parent: Mapping[str, Any], here: Mapping[str, Any]
+) -> str:
+    if detail["type"] == "missing":
+        about = here.get("description")
+        return f"is required{f' ({about})' if about else ''}"
+    if detail["type"] == "extra_forbidden":
+        return _unknown_key(str(detail["loc"][-1]), list(parent.get("properties", ())))
+    if detail["type"] in {"model_type", "dict_type", "model_attributes_type"}:
+        return f"needs a mapping with keys among {', '.join(here.get('properties', ()))}, not {_shown(detail['input'])}"
+    sentence = _SENTENCES.get(detail["type"])
+    if sentence is None:
+        return f"{detail['msg'][:1].lower()}{detail['msg'][1:]}, not {_shown(detail['input'])}"
+    return sentence(context, detail["input"])
+
+
+def _unknown_key(key: str, allowed: list[str]) -> str:
+    near = get_close_matches(key, allowed, n=1)
+    hint = f" (did you mean {near[0]}?)" if near else ""
+    return f"is not a known key{hint}; allowed are {', '.join(allowed)}"
+
+
+def _wants(what: str) -> Callable[[Mapping[str, Any], object], str]:
+    return lambda context, given: f"needs {what.format(**context)}, not {_shown(given)}"
+
+
+_SENTENCES: dict[str, Callable[[Mapping[str, Any], object], str]] = {
+    "float_type": _wants("a number"),
+    "finite_number": _wants("a finite number"),
+    "int_type": _wants("a whole number"),
+    "int_from_float": _wants("a whole number"),
+    "string_type": _wants("text"),
+    "string_too_short": _wants("text of at least {min_length} character"),
+    "string_too_long": _wants("text of at most {max_length} characters"),
+    "tuple_type": _wants("a list"),
+    "literal_error": _wants("{expected}"),
+    "greater_than": _wants("a number greater than {gt:g}"),
+    "greater_than_equal": _wants("a number not below {ge:g}"),
+    "less_than": _wants("a number less than {lt:g}"),
+    "less_than_equal": _wants("a number not above {le:g}"),
+    "too_short": lambda context, _: f"needs at least {context['min_length']} item, not {context['actual_length']}",
+    "too_long": lambda context, _: f"needs at most {context['max_length']} items, not {context['actual_length']}",
+    "value_error": lambda context, _: str(context["error"]),
+}
+
+
+def _shown(given: object) -> str:
+    if given is None:
+        return "nothing"
+    if isinstance(given, dict):
+        return "a mapping"
+    if isinstance(given, tuple):
+        return "a list"
+    text = {True: "true", False: "false"}[given] if isinstance(given, bool) else repr(given)
+    return text if len(text) <= _SHOWN_CHARACTERS else f"{text[:_SHOWN_CHARACTERS]}..."
+
+
+def _at(schema: Mapping[str, Any], loc: Loc) -> Mapping[str, Any]:
+    """Return the part of the JSON Schema that describes a place; an empty one when the schema does not know it."""
+    here: Mapping[str, Any] = _followed(schema, schema)
+    for part in loc:
+        if isinstance(part, int):
+            fixed = here.get("prefixItems", ())
+            inner = fixed[part] if part < len(fixed) else here.get("items", {})
+        else:
+            inner = here.get("properties", {}).get(part, {})
+        here = _followed(inner if isinstance(inner, dict) else {}, schema)
+    return here
+
+
+def _followed(here: Mapping[str, Any], schema: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a part of the schema with its reference followed and the choice of null removed."""
+    merged = dict(here)
+    if "$ref" in merged:
+        merged = {**schema["$defs"][merged["$ref"].removeprefix("#/$defs/")], **merged}
+    for option in merged.get("anyOf", ()):
+        if option.get("type") != "null":
+            merged = {**_followed(option, schema), **merged}
+    return merged

@@ -1,0 +1,340 @@
+"""The gait-fixed foothold program of Zhou et al. 2025, Eqs. (1)-(16), one function per block of equations.
+
+The functions speak of a ``Motion``: which quantities there are, and which of them are unknowns. Over the ``whole``
+motion every quantity of Eq. (2) is an unknown; over the ``reduced`` one (see ``reduction``) velocities and
+accelerations are differences of positions, and what the equations pin is a number. Both are the same program.
+
+Corrections, all from the reading of the paper in docs/footholds.md: the feet are integrated like the base; (14) and (15)
+bound absolute values; (7) and (11) stand below the implication; a foot in its first stance is on the polygon that holds it.
+Where a ``Choice`` leaves several polygons to a footstep the rows are those of their convex hull.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.footholds.problem import Problem
+from surefoot.footholds.rows import Cost, CostBuilder, Index, Quantity, RowBuilder, Rows, Term
+from surefoot.footholds.terrain import Hull, cone_hull, hull_of
+
+Choice = tuple[tuple[int, ...], ...]
+"""For every footstep the polygons that are left to it; then, for every foot and collision window, the free regions."""
+
+INF = np.inf
+SAMPLE_SIZE = 66
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """The quantities of Eq. (2), and how accelerations follow from them.
+
+    Attributes:
+        size: how many unknowns there are.
+        base: r, shape (N, 3).
+        base_acceleration: terms whose sum is rdd, each (N, 3).
+        feet: p, shape (N, 4, 3).
+        feet_acceleration: terms whose sum is pdd, each (N, 4, 3).
+        force: f, shape (N, 4, 3), or None where equal shares are understood.
+        orientation: th, shape (N, 3), or None where it is solved apart.
+        angular_acceleration: thdd, likewise.
+    """
+
+    size: int
+    base: Quantity
+    base_acceleration: tuple[Term, ...]
+    feet: Quantity
+    feet_acceleration: tuple[Term, ...]
+    force: Quantity | None
+    orientation: Quantity | None = None
+    angular_acceleration: Quantity | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rates:
+    """The velocities and accelerations of the whole motion, which its integration rows need."""
+
+    base_velocity: Quantity
+    base_acceleration: Quantity
+    angular_velocity: Quantity
+    feet_velocity: Quantity
+    feet_acceleration: Quantity
+
+
+def whole_motion(samples: int) -> tuple[Motion, Rates]:
+    """Return the motion in which all 66 numbers of every sample are unknowns, Eq. (2)."""
+    begin = np.arange(samples)[:, None] * SAMPLE_SIZE
+    axis = np.arange(3)
+
+    def body(offset: int) -> Quantity:
+        return Quantity.unknown(begin + offset + axis)
+
+    def leg(offset: int) -> Quantity:
+        return Quantity.unknown(begin[:, :, None] + 18 + offset + 12 * np.arange(4)[None, :, None] + axis)
+
+    rates = Rates(body(3), body(6), body(12), leg(3), leg(6))
+    motion = Motion(
+        size=samples * SAMPLE_SIZE,
+        base=body(0),
+        base_acceleration=((1.0, rates.base_acceleration),),
+        feet=leg(0),
+        feet_acceleration=((1.0, rates.feet_acceleration),),
+        force=leg(9),
+        orientation=body(9),
+        angular_acceleration=body(15),
+    )
+    return motion, rates
+
+
+def whole_rows(problem: Problem, choice: Choice) -> Rows:
+    """Return every row of Eqs. (1)-(16), with the rows of VII-A2 and of the options."""
+    motion, rates = whole_motion(problem.samples)
+    build = RowBuilder(motion.size)
+    boundary_rows(build, problem, motion, rates)
+    integration_rows(build, problem, motion, rates)
+    dynamics_rows(build, problem, motion)
+    contact_rows(build, problem, motion, rates)
+    torque_rows(build, problem, motion)
+    base_torque_rows(build, problem, motion)
+    reach_rows(build, problem, motion)
+    clearance_rows(build, problem, motion)
+    support_rows(build, problem, motion)
+    moment_rows(build, problem, motion)
+    region_rows(build, problem, motion, choice)
+    friction_rows(build, problem, motion, choice)
+    collision_rows(build, problem, motion, choice)
+    return build.rows()
+
+
+def whole_cost(problem: Problem) -> Cost:
+    """Return the cost of Eqs. (4)-(5) over all 66 numbers of every sample."""
+    return cost_of(problem, whole_motion(problem.samples)[0])
+
+
+def cost_of(problem: Problem, motion: Motion) -> Cost:
+    """Sum weight times squared deviation over all samples, Eqs. (4)-(5) with Table I.
+
+    Where the motion has no forces, they are shared equally by the feet in contact; this is the least that they can cost.
+    """
+    build, weights = CostBuilder(motion.size), problem.weights
+    build.add(weights.position, [(1.0, motion.base)], problem.base_reference_m)
+    build.add(weights.foot, [(1.0, motion.feet)], problem.foot_reference_m)
+    build.add(weights.acceleration, motion.base_acceleration, 0.0)
+    build.add(weights.foot_acceleration, motion.feet_acceleration, 0.0)
+    if motion.orientation is not None and motion.angular_acceleration is not None:
+        build.add(weights.orientation, [(1.0, motion.orientation)], problem.rpy_reference_rad)
+        build.add(weights.angular_acceleration, [(1.0, motion.angular_acceleration)], 0.0)
+    if motion.force is not None:
+        build.add(weights.force, [(1.0, motion.force)], 0.0)
+    else:
+        counts = problem.contacts.sum(axis=1)[:, None]
+        mass = problem.robot.mass_kg
+        share = np.where(counts > 0, weights.force / np.maximum(counts, 1), 0.0)
+        build.add(share, [(mass * factor, q) for factor, q in motion.base_acceleration], mass * gravity(problem))
+    return build.cost()
+
+
+def gravity(problem: Problem) -> np.ndarray:
+    """Return g, shape (3,)."""
+    return np.array([0.0, 0.0, -problem.gravity_mps2])
+
+
+def boundary_rows(build: RowBuilder, problem: Problem, motion: Motion, rates: Rates) -> None:
+    """Pin both ends, Eqs. (1a)-(1b): poses, zero velocities, and the feet at the start."""
+    for sample, position, rpy in (
+        (0, problem.start_m, problem.start_rpy_rad),
+        (-1, problem.goal_m, problem.goal_rpy_rad),
+    ):
+        build.add("boundary", position, position, [(1.0, motion.base[sample])])
+        build.add("boundary", 0.0, 0.0, [(1.0, rates.base_velocity[sample])])
+        if motion.orientation is not None:
+            build.add("boundary", rpy, rpy, [(1.0, motion.orientation[sample])])
+            build.add("boundary", 0.0, 0.0, [(1.0, rates.angular_velocity[sample])])
+    build.add("boundary", problem.feet_m, problem.feet_m, [(1.0, motion.feet[0])])
+
+
+def integration_rows(build: RowBuilder, problem: Problem, motion: Motion, rates: Rates) -> None:
+    """Integrate base, orientation and feet by backward Euler, Eq. (3)."""
+    chains = [
+        (motion.base, rates.base_velocity, rates.base_acceleration),
+        (motion.feet, rates.feet_velocity, rates.feet_acceleration),
+    ]
+    if motion.orientation is not None and motion.angular_acceleration is not None:
+        chains.append((motion.orientation, rates.angular_velocity, motion.angular_acceleration))
+    for position, velocity, acceleration in chains:
+        for low, high in ((position, velocity), (velocity, acceleration)):
+            build.add("integration", 0.0, 0.0, [(1.0, low[1:]), (-1.0, low[:-1]), (-problem.step_s, high[1:])])
+
+
+def dynamics_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+    """Newton's law m rdd = sum f + m g at all samples, Eq. (3)."""
+    mass = problem.robot.mass_kg
+    pull = mass * gravity(problem)
+    terms = [(mass * np.asarray(factor), quantity) for factor, quantity in motion.base_acceleration]
+    if motion.force is not None:
+        terms += [(-1.0, motion.force[:, foot]) for foot in range(4)]
+        build.add("dynamics", pull, pull, terms, where=(np.arange(problem.samples)[:, None], np.arange(3)))
+    else:
+        flight = np.flatnonzero(~problem.contacts.any(axis=1))
+        build.add("flight", pull, pull, [_some(term, flight) for term in terms], where=(flight[:, None], np.arange(3)))
+
+
+def _some(term: Term, samples: Index) -> Term:
+    factor, quantity = term
+    return (factor[samples] if np.ndim(factor) else factor), quantity[samples]
+
+
+def region_rows(build: RowBuilder, problem: Problem, motion: Motion, choice: Choice) -> None:
+    """Put every new foothold on its polygon, Eqs. (6)-(7), at the first sample of its stance."""
+    for number, footstep in enumerate(problem.footsteps):
+        hull = hull_of([problem.polygons[r] for r in choice[number]])
+        _inside(build, hull, motion.feet[footstep.touch, footstep.foot], number)
+
+
+def _inside(build: RowBuilder, hull: Hull, foot: Quantity, number: int) -> None:
+    build.add(
+        "region", -INF, hull.bounds, [(hull.planes[:, a], foot[a][None]) for a in range(3)],
+        where=(number, np.arange(len(hull.bounds))),
+    )  # fmt: skip
+    if hull.normal is not None:
+        build.add(
+            "region", hull.offset, hull.offset, [(hull.normal[a], foot[a][None]) for a in range(3)], where=(number, -1)
+        )
+
+
+def friction_rows(build: RowBuilder, problem: Problem, motion: Motion, choice: Choice) -> None:
+    """Keep every force in the friction pyramid of the polygon its foot stands on, Eqs. (10)-(11)."""
+    assert motion.force is not None
+    for foot in range(4):
+        for support, samples in _supports(problem, foot):
+            ids = (problem.start_polygons[foot],) if support < 0 else choice[support]
+            cone = cone_hull([problem.polygons[r] for r in ids])
+            force = motion.force[samples, foot]
+            terms = [(cone[None, :, a], force[:, a][:, None]) for a in range(3)]
+            build.add("friction", -INF, 0.0, terms, where=(samples[:, None], foot, np.arange(len(cone))))
+
+
+def _supports(problem: Problem, foot: int) -> list[tuple[int, Index]]:
+    """Return the footsteps of a foot (-1 for the start foothold), each with the samples that it stands on it."""
+    index = problem.support_index[:, foot]
+    return [(int(k), np.flatnonzero(index == k)) for k in np.unique(index[index > -2])]
+
+
+def contact_rows(build: RowBuilder, problem: Problem, motion: Motion, rates: Rates) -> None:
+    """Hold feet still in stance, Eq. (12), and forces at zero in swing, Eq. (13)."""
+    assert motion.force is not None
+    held, free = problem.contacts, ~problem.contacts
+    build.add("contact", 0.0, 0.0, [(1.0, rates.feet_velocity[held])])
+    build.add("contact", 0.0, 0.0, [(1.0, motion.force[free])])
+
+
+def torque_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+    """Bound the joint torques |J' f| at the reference joints, Eq. (14)."""
+    assert motion.force is not None
+    limit = np.array(problem.robot.torque_max_nm)
+    for foot, jacobian in enumerate(np.array(problem.robot.jacobians)):
+        samples = np.flatnonzero(problem.contacts[:, foot])
+        force = motion.force[samples, foot]
+        terms = [(jacobian[a][None, :], force[:, a][:, None]) for a in range(3)]
+        build.add("torque", -limit, limit, terms, where=(samples[:, None], foot, np.arange(3)))
+
+
+def base_torque_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+    """Bound the torque on the base |I thdd|, Eq. (15)."""
+    assert motion.angular_acceleration is not None
+    limit = problem.robot.base_torque_max_nm
+    terms = [(np.array(problem.robot.inertia_kgm2), motion.angular_acceleration)]
+    build.add("base torque", -limit, limit, terms, where=(np.arange(problem.samples)[:, None], np.arange(3)))
+
+
+def reach_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+    """Keep every foot, in swing too, in the box about its nominal position that moves with the base, Eq. (16)."""
+    sample, foot = np.arange(problem.samples)[:, None, None], np.arange(4)[None, :, None]
+    nominal = np.array(problem.robot.feet_m)[None]
+    reach = np.array(problem.robot.foot_reach_m)
+    turn = problem.rotations[:, None]
+    feet = [(turn[..., b, :], motion.feet[..., b][..., None]) for b in range(3)]
+    base = [(-turn[..., b, :], motion.base[:, None, b][..., None]) for b in range(3)]
+    build.add("reach", nominal - reach, nominal + reach, [*feet, *base], where=(sample, foot, np.arange(3)))
+
+
+def clearance_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+    """Lift the swing foot above lift-off and touch-down in the middle of the swing (VII-A2)."""
+    height = problem.options.clearance_m
+    if height <= 0:
+        return
+    for number, footstep in enumerate(problem.footsteps):
+        samples = np.array(footstep.cleared, dtype=np.int64)
+        if len(samples):
+            vertical = motion.feet[:, footstep.foot, 2]
+            for side, ground in enumerate((footstep.lift - 1, footstep.touch)):
+                terms = [(1.0, vertical[samples]), (-1.0, vertical[[ground]])]
+                build.add("clearance", height, INF, terms, where=(samples, number, side))
+
+
+def collision_rows(build: RowBuilder, problem: Problem, motion: Motion, choice: Choice) -> None:
+    """Keep every foot in one free region at all samples of a window, Eqs. (29)-(31), where one region is left."""
+    if not problem.options.collision:
+        return
+    steps, windows = len(problem.footsteps), problem.windows()
+    for number, regions in enumerate(choice[steps:]):
+        if len(regions) == 1:
+            foot, window = divmod(number, len(windows))
+            matrix, bound = problem.free_regions[regions[0]]
+            samples = np.array(windows[window])
+            point = motion.feet[samples, foot]
+            terms = [(matrix[None, :, a], point[:, a][:, None]) for a in range(3)]
+            build.add("collision", -INF, bound, terms, where=(samples[:, None], number, np.arange(len(bound)), regions[0]))
+
+
+def support_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+    """Keep the base near the mean of the feet in contact whenever there are three or more (``com_support_m``)."""
+    if problem.options.com_support_m is None:
+        return
+    counts = problem.contacts.sum(axis=1)
+    samples = np.flatnonzero(counts >= 3)
+    share = (problem.contacts[samples] / counts[samples, None])[..., None]
+    feet = [(-share[:, foot], motion.feet[samples, foot, :2]) for foot in range(4)]
+    limit = problem.options.com_support_m
+    terms = [(1.0, motion.base[samples, :2]), *feet]
+    build.add("support", -limit, limit, terms, where=(samples[:, None], np.arange(2)))
+
+
+def moment_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+    """Let forces turn the base: I thdd = sum lever x f with the levers of the reference (``moment_balance``)."""
+    if not problem.options.moment_balance or motion.angular_acceleration is None or motion.force is None:
+        return
+    turn = problem.rotations
+    inertia = turn @ np.diag(problem.robot.inertia_kgm2) @ turn.transpose(0, 2, 1)
+    lever, thdd = problem.levers_m, motion.angular_acceleration
+    terms: list[Term] = [(inertia[:, :, a], thdd[:, a][:, None]) for a in range(3)]
+    for foot in range(4):
+        cross = _cross_matrices(lever[:, foot])
+        terms += [(-cross[:, :, a], motion.force[:, foot, a][:, None]) for a in range(3)]
+    build.add("moment", 0.0, 0.0, terms, where=(np.arange(problem.samples)[:, None], np.arange(3)))
+
+
+def _cross_matrices(lever: np.ndarray) -> np.ndarray:
+    """Return matrices whose product with f is lever x f, shape (n, 3, 3)."""
+    x, y, z = lever.T
+    zero = np.zeros_like(x)
+    return np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), 2, 0)
+
+
+def all_open(problem: Problem) -> Choice:
+    """Return the choice that leaves everything open."""
+    polygons, regions = tuple(range(len(problem.polygons))), tuple(range(len(problem.free_regions)))
+    windows = 4 * problem.options.collision_windows if problem.options.collision else 0
+    return (polygons,) * len(problem.footsteps) + (regions,) * windows
+
+
+def decided(choice: Choice) -> bool:
+    """Return whether nothing is left open."""
+    return all(len(left) == 1 for left in choice)
+
+
+def chosen_polygons(problem: Problem, choice: Choice) -> Sequence[int]:
+    """Return the polygon of every footstep of a choice that is decided."""
+    return [left[0] for left in choice[: len(problem.footsteps)]]

@@ -1,0 +1,205 @@
+"""Splits polygons with holes into few convex pieces.
+
+Every corner that turns inward is cut: where possible by a segment that resolves two of them at once, else along the
+extension of one of its edges until the boundary or an earlier cut. Pieces whose union is convex are joined again.
+
+Source: Chazelle and Dobkin, "Decomposing a polygon into its convex parts" (naive decomposition, at most one piece more
+than there are inward corners); Hertel and Mehlhorn (joining, and the fallback on triangles).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_EPS = 1e-9
+_MOST_CORNERS = 600
+_NEAREST = 12
+
+
+def convex_pieces(polygon: Any, smallest: float = 0.0) -> list[Floats]:
+    """Return a partition of a polygon into convex pieces.
+
+    Args:
+        polygon: a shapely polygon, perhaps with holes.
+        smallest: pieces of less area are left out.
+
+    Returns:
+        Outlines (n, 2), counter-clockwise, strictly convex, largest first.
+    """
+    if polygon.is_empty or polygon.area <= smallest:
+        return []
+    polygon = shapely.orient_polygons(polygon)
+    corners = _Corners(polygon)
+    if not len(corners.reflex):
+        faces = [polygon]
+    elif len(corners.reflex) > _MOST_CORNERS:
+        faces = _triangles(polygon)
+    else:
+        faces = _faces(polygon, corners.cuts())
+    scale = max(polygon.area, 1e-12)
+    joined = _joined([piece for face in faces for piece in ([face] if _is_convex(face) else _triangles(face))])
+    pieces = [clean_outline(face) for face in joined if face.area > max(smallest, 1e-9 * scale)]
+    return sorted((piece for piece in pieces if len(piece) >= 3), key=lambda piece: -area_of(piece))
+
+
+def clean_outline(face: Any) -> Floats:
+    """Return a convex outline, counter-clockwise, without points that lie on its edges."""
+    hull = shapely.convex_hull(face)
+    if hull.geom_type != "Polygon":
+        return np.empty((0, 2))
+    points = shapely.get_coordinates(shapely.orient_polygons(hull))[:-1]
+    size = float(np.ptp(points, axis=0).max())
+    while len(points) > 3:
+        before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+        turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        base = np.hypot(*(np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)).T)
+        height = turn / np.maximum(base, _EPS)
+        worst = int(np.argmin(height))
+        if height[worst] > 1e-5 * size:
+            break
+        points = np.delete(points, worst, axis=0)
+    return points
+
+
+def area_of(points: Floats) -> float:
+    """Return the area of a polygon, positive when it runs counter-clockwise."""
+    x, y = points.T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+class _Corners:
+    """The corners and edges of a polygon whose inside lies to the left of every ring."""
+
+    def __init__(self, polygon: Any) -> None:
+        rings = [shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
+        self.points = np.vstack(rings)
+        self.starts = self.points
+        self.ends = np.vstack([np.roll(ring, -1, axis=0) for ring in rings])
+        into = np.vstack([ring - np.roll(ring, 1, axis=0) for ring in rings])
+        out = self.ends - self.starts
+        self.into = into / np.maximum(np.hypot(*into.T), _EPS)[:, None]
+        self.out = out / np.maximum(np.hypot(*out.T), _EPS)[:, None]
+        self.reflex = np.flatnonzero(_cross(self.into, self.out) < -1e-6)
+
+    def cuts(self) -> list[Floats]:
+        """Return one cut for every inward corner, shared by two where that is possible."""
+        starts, ends = [self.starts], [self.ends]
+        cuts: list[Floats] = []
+        left = set(self.reflex.tolist())
+        for a, b in self._bridges():
+            if a in left and b in left and not _crosses(self.points[a], self.points[b], starts, ends):
+                left -= {a, b}
+                starts.append(self.points[a][None])
+                ends.append(self.points[b][None])
+                cuts.append(np.array([self.points[a], self.points[b]]))
+        for k in sorted(left):
+            options = [self._ray(k, way, starts, ends) for way in (self.into[k], -self.out[k])]
+            end = min(options, key=lambda p: float(np.hypot(*(p - self.points[k]))))
+            starts.append(self.points[k][None])
+            ends.append(end[None])
+            cuts.append(np.array([self.points[k], end]))
+        return cuts
+
+    def _bridges(self) -> list[tuple[int, int]]:
+        """Return pairs of inward corners that one segment would resolve, shortest first."""
+        found = []
+        for k in self.reflex:
+            ways = self.points[self.reflex] - self.points[k]
+            lengths = np.hypot(*ways.T)
+            near = np.argsort(lengths, kind="stable")[1 : _NEAREST + 1]
+            for m in near:
+                other = int(self.reflex[m])
+                if other > k and lengths[m] > _EPS:
+                    way = ways[m] / lengths[m]
+                    if self._resolves(int(k), way) and self._resolves(other, -way):
+                        found.append((float(lengths[m]), int(k), other))
+        return [(a, b) for _, a, b in sorted(found)]
+
+    def _resolves(self, k: int, way: Floats) -> bool:
+        """Return whether a cut in a direction leaves no inward corner on either side."""
+        # The wedge of cuts that resolve corner k lies between the extension of the edge that comes in and the
+        # backward extension of the one that goes out; it is narrower than a half turn.
+        first, last = self.into[k], -self.out[k]
+        if _cross(first, last) < 0:
+            first, last = last, first
+        return bool(_cross(first, way) >= -1e-6 and _cross(way, last) >= -1e-6)
+
+    def _ray(self, k: int, way: Floats, starts: list[Floats], ends: list[Floats]) -> Floats:
+        """Return where a ray from a corner first meets the boundary or a cut."""
+        p, a, b = self.points[k], np.vstack(starts), np.vstack(ends)
+        edge = b - a
+        with np.errstate(divide="ignore", invalid="ignore"):
+            scale = _cross(way[None], edge)
+            t = _cross(a - p, edge) / scale
+            s = _cross(a - p, np.broadcast_to(way, a.shape)) / scale
+        hit = (np.abs(scale) > 1e-12) & (t > 1e-7) & (s >= -1e-9) & (s <= 1 + 1e-9)
+        if not hit.any():
+            return p
+        end: Floats = p + way * (float(t[hit].min()) + 1e-7)
+        return end
+
+
+def _cross(a: Floats, b: Floats) -> Any:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def _crosses(p: Floats, q: Floats, starts: list[Floats], ends: list[Floats]) -> bool:
+    """Return whether the open segment p q meets any edge or cut."""
+    a, b = np.vstack(starts), np.vstack(ends)
+    way, edge = q - p, b - a
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = _cross(way[None], edge)
+        t = _cross(a - p, edge) / scale
+        s = _cross(a - p, np.broadcast_to(way, a.shape)) / scale
+    length = float(np.hypot(*way))
+    slack = 1e-7 / max(length, 1e-7)
+    return bool(((t > slack) & (t < 1 - slack) & (s > -1e-9) & (s < 1 + 1e-9)).any())
+
+
+def _faces(polygon: Any, cuts: list[Floats]) -> list[Any]:
+    """Return the faces that the cuts divide a polygon into."""
+    lines = shapely.union_all([polygon.boundary, *(shapely.linestrings(cut) for cut in cuts)])
+    found = shapely.get_parts(shapely.polygonize([lines]))
+    inside = shapely.contains_properly(polygon, shapely.point_on_surface(found))
+    faces = list(found[inside])
+    if abs(sum(face.area for face in faces) - polygon.area) > 1e-6 * polygon.area:
+        return _triangles(polygon)
+    return faces
+
+
+def _triangles(polygon: Any) -> list[Any]:
+    return [part for part in shapely.get_parts(shapely.constrained_delaunay_triangles(polygon)) if part.area > 0]
+
+
+def _is_convex(face: Any) -> bool:
+    return not face.interiors and bool(shapely.convex_hull(face).area - face.area <= 1e-5 * face.area)
+
+
+def _joined(faces: list[Any]) -> list[Any]:
+    """Join neighbours whose union is convex, those that gain the most first."""
+    while len(faces) > 1:
+        shapes = np.array(faces, object)
+        first, second = shapely.STRtree(shapes).query(shapes, predicate="intersects")
+        pairs = np.flatnonzero(first < second)
+        first, second = first[pairs], second[pairs]
+        areas = shapely.area(shapes)
+        sums = areas[first] + areas[second]
+        hulls = shapely.convex_hull(shapely.multipolygons([[shapes[a], shapes[b]] for a, b in zip(first, second, strict=True)])) if len(first) else np.empty(0, object)
+        gain = np.flatnonzero(shapely.area(hulls) - sums <= 1e-5 * sums) if len(first) else np.empty(0, np.intp)
+        if not len(gain):
+            return faces
+        taken: set[int] = set()
+        joined = []
+        for k in gain[np.argsort(-sums[gain], kind="stable")]:
+            a, b = int(first[k]), int(second[k])
+            if a not in taken and b not in taken:
+                taken |= {a, b}
+                joined.append(hulls[k])
+        faces = joined + [face for k, face in enumerate(faces) if k not in taken]
+    return faces
