@@ -80,13 +80,13 @@ def test_defaults(tmp_path: Path) -> None:
     assert scenario.robot == "digit"
     assert not scenario.obstacles
     assert not scenario.belief_regions
-    assert (scenario.navigation.view, scenario.navigation.corners, scenario.belief) == ("post", "visible", "exact")
+    assert (scenario.navigation.view, scenario.navigation.corners, scenario.navigation.belief) == ("post", "visible", None)
     assert scenario.walking.given() == {}
 
 
 def test_belief_defaults_to_regions_when_there_are_some(tmp_path: Path) -> None:
-    assert read(tmp_path).belief == "regions"
-    assert read(tmp_path, GOOD + "navigation: {belief: exact}").belief == "exact"
+    assert read(tmp_path).belief_regions
+    assert read(tmp_path, GOOD + "navigation: {belief: exact}").navigation.belief == "exact"
 
 
 def test_is_frozen_and_hashable(tmp_path: Path) -> None:
@@ -170,7 +170,7 @@ def test_overlap_is_judged_in_the_turned_grid(angle: float, x: float, y: float) 
         "grid": grid,
     }
     regions = tuple({"rectangles_m": (rectangle,)} for rectangle in (west, east))
-    assert Scenario.model_validate({**common, "belief_regions": regions}).belief == "regions"
+    assert Scenario.model_validate({**common, "belief_regions": regions}).belief_regions
     wide = {"rectangles_m": ((*turned(1.4, 0), *turned(4, 2)),)}
     with pytest.raises(ValueError, match="overlaps"):
         Scenario.model_validate({**common, "belief_regions": (regions[0], wide)})

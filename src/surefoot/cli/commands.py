@@ -6,7 +6,22 @@ from typing import Annotated
 
 import typer
 
-from surefoot.cli import bench, demo, doctor, plan, run, scenario, verify, view
+from surefoot.cli import (
+    bench,
+    demo,
+    doctor,
+    explain,
+    export,
+    footholds,
+    plan,
+    reach,
+    run,
+    scenario,
+    simulate,
+    synth,
+    verify,
+    view,
+)
 
 _HELP = """Plans for legged robots that provably neither fall nor collide, and get their task done.
 
@@ -53,6 +68,12 @@ app.command("plan")(plan.plan)
 app.command("run")(run.run)
 app.command("view")(view.view)
 app.command("verify")(verify.verify)
+app.command("synth")(synth.synth)
+app.command("explain")(explain.explain)
+app.command("simulate")(simulate.simulate)
+app.command("export")(export.export)
 app.command("demo")(demo.demo)
+app.command("reach")(reach.reach)
+app.add_typer(footholds.app, name="footholds")
 app.command("bench")(bench.bench)
 app.command("doctor")(doctor.doctor)

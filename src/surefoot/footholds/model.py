@@ -90,8 +90,18 @@ def whole_motion(samples: int) -> tuple[Motion, Rates]:
 
 def whole_rows(problem: Problem, choice: Choice) -> Rows:
     """Return every row of Eqs. (1)-(16), with the rows of VII-A2 and of the options."""
-    motion, rates = whole_motion(problem.samples)
+    motion, _ = whole_motion(problem.samples)
     build = RowBuilder(motion.size)
+    fixed_rows(build, problem)
+    region_rows(build, problem, motion, choice)
+    friction_rows(build, problem, motion, choice)
+    collision_rows(build, problem, motion, choice)
+    return build.rows()
+
+
+def fixed_rows(build: RowBuilder, problem: Problem) -> None:
+    """Write the rows over the whole motion that no choice changes."""
+    motion, rates = whole_motion(problem.samples)
     boundary_rows(build, problem, motion, rates)
     integration_rows(build, problem, motion, rates)
     dynamics_rows(build, problem, motion)
@@ -102,10 +112,6 @@ def whole_rows(problem: Problem, choice: Choice) -> Rows:
     clearance_rows(build, problem, motion)
     support_rows(build, problem, motion)
     moment_rows(build, problem, motion)
-    region_rows(build, problem, motion, choice)
-    friction_rows(build, problem, motion, choice)
-    collision_rows(build, problem, motion, choice)
-    return build.rows()
 
 
 def whole_cost(problem: Problem) -> Cost:

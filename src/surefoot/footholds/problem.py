@@ -184,3 +184,31 @@ def nominal_feet(robot: Quadruped, position_m: Array, rpy_rad: Array) -> Array:
     """Return where the feet stand nominally below a pose, shape (4, 3)."""
     rotation = rotations_of(np.asarray(rpy_rad, dtype=float)[None, :])[0]
     return np.asarray(position_m, dtype=float) + np.array(robot.feet_m) @ rotation.T
+
+
+def reach_span(problem: Problem) -> float:
+    """Return a distance that no two places of base and feet exceed, in any motion [m]."""
+    points = np.concatenate(
+        [*(one.vertices_m for one in problem.polygons), problem.feet_m, problem.start_m[None], problem.goal_m[None]]
+    )
+    robot, horizon = problem.robot, problem.samples * problem.step_s
+    span = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+    arm = math.dist((0, 0, 0), robot.foot_reference_m) + math.dist((0, 0, 0), robot.foot_reach_m)
+    return span + 4 * arm + problem.gravity_mps2 * horizon**2
+
+
+def impossible_cost(problem: Problem) -> float:
+    """Return a cost that no motion reaches: whatever costs more is infeasible.
+
+    With D the largest distance between any two places that base or feet can take, accelerations are at most 4 D / dt^2,
+    and forces are bounded by the joint torques; the weighted squares of all that are added up.
+    """
+    robot, weights, reach = problem.robot, problem.weights, reach_span(problem)
+    rate = 4 * reach / problem.step_s**2
+    pull = robot.mass_kg * (rate + problem.gravity_mps2)
+    push = max(float(np.linalg.norm(np.linalg.inv(np.array(j)), 2)) for j in robot.jacobians) * math.dist(
+        (0, 0, 0), robot.torque_max_nm
+    )
+    swing = weights.position + 4 * weights.foot
+    squares = swing * reach**2 + (weights.acceleration + 4 * weights.foot_acceleration) * rate**2
+    return 10 * problem.samples * (squares + weights.force * (pull**2 + 4 * push**2))

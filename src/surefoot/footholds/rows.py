@@ -151,6 +151,18 @@ class RowBuilder:
         self._where.append(names)
         self.count += size
 
+    def splice(self, *, rows: Index, columns: Index, values: Array, slack: Index, upper: Array) -> None:
+        """Add rows given by their entries, each of which one slack lets give: entries - slack <= upper."""
+        size = len(upper)
+        self._rows += [self.count + rows, np.arange(self.count, self.count + size)]
+        self._columns += [columns, slack]
+        self._values += [values, np.full(size, -1.0)]
+        self._lower.append(np.full(size, -np.inf))
+        self._upper.append(upper)
+        self._family.append(np.zeros(size, dtype=np.int64))
+        self._where.append(np.zeros((size, 4), dtype=np.int64))
+        self.count += size
+
     def rows(self) -> Rows:
         """Return what was added."""
         if not self._lower:

@@ -8,21 +8,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.errors import BackendFailed
-from surefoot.footholds.certify import Certificate, refuted_by_highs
 from surefoot.footholds.explain import Explanation, explain
 from surefoot.footholds.model import Choice
 from surefoot.footholds.nodes import Node, Program, ReducedProgram, WholeProgram
 from surefoot.footholds.orientation import Turning, turning
 from surefoot.footholds.plan import Plan, objective, plan_of, residuals, shared_forces
-from surefoot.footholds.problem import Problem
-from surefoot.footholds.proof import Proof, impossible_cost, proof_of
+from surefoot.footholds.form import standard_form
+from surefoot.footholds.problem import Problem, impossible_cost
+from surefoot.footholds.proof import Proof, proof_of
 from surefoot.footholds.pruning import reachable
-from surefoot.footholds.rows import Array
-from surefoot.footholds.search import Outcome, search
+from surefoot.footholds.search import Accept, Outcome, search
+from surefoot.footholds.solvers import HighsSolver
 
 RESIDUAL_MAX = 1e-6
 _SLACK_N = 1e-9
+_CERTIFY_S = 20.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,28 +87,32 @@ def solve(
 
 
 class _Solving:
+    """One run: what it needs to know on the way."""
+
     def __init__(self, problem: Problem, cancelled: Callable[[], bool], guesses: tuple[Choice, ...]) -> None:
         self.problem, self.cancelled, self.guesses = problem, cancelled, guesses
         self.begin = time.perf_counter()
         self.notes: list[str] = []
         self.limit: str | None = None
+        self.nodes = 0
 
     def run(self, certify: bool, why: bool) -> Solution:
-        root, boxes = reachable(self.problem)
-        turned = None if self.problem.options.moment_balance else turning(self.problem)
+        problem = self.problem
+        root, boxes = reachable(problem)
         if boxes.empty is not None:
-            return self.refuted(root, "intervals: " + boxes.empty, None, 0, certify, why)
+            return self.refuted("interval propagation", None, certify, why)
+        turned = None if problem.options.moment_balance else turning(problem)
         if turned is not None and turned.feasible is False:
-            return self.refuted(root, "farkas ray: the base cannot turn so fast", None, 0, certify, why)
+            return self.refuted("", None, certify, why)
         program, outcome = self.searched(root)
+        self.nodes += outcome.nodes
         if outcome.best is not None and outcome.node is not None:
-            return self.feasible(program, outcome, root, turned)
-        if outcome.complete and outcome.bound >= impossible_cost(self.problem):
-            proof = proof_of(self.problem, root, outcome, turned)
-            return self.refuted(root, "farkas rays in every leaf", proof, outcome.nodes, certify, why)
-        if outcome.complete and certify:
-            return self.refuted(root, "", None, outcome.nodes, certify, why)
-        return self.unknown(outcome.nodes)
+            return self.feasible(program, outcome, turned)
+        if not outcome.complete:
+            return self.unknown()
+        if outcome.bound >= impossible_cost(problem):
+            return self.refuted("Farkas rays", proof_of(problem, program, outcome, turned), certify, why)
+        return self.refuted("", None, certify, why)
 
     def stop(self) -> bool:
         if self.cancelled():
@@ -119,42 +123,112 @@ class _Solving:
 
     def searched(self, root: Choice) -> tuple[Program, Outcome]:
         """Search with shared forces; where friction or torque press, again with the forces as unknowns."""
-        gap = self.problem.options.gap
+        program: Program
         if self.problem.options.moment_balance:
             self.notes.append("whole model: with moment balance orientation and forces are coupled")
-            whole = WholeProgram(self.problem)
-            return whole, search(self.problem, whole, root, gap=gap, stop=self.stop, guesses=self.guesses)
-        program: Program = ReducedProgram(self.problem, forces=False)
-        accept = self.slack
-        outcome = search(self.problem, program, root, gap=gap, stop=self.stop, accept=accept, guesses=self.guesses)
-        if outcome.slack:
+            program = WholeProgram(self.problem)
+            return program, self.search(program, root)
+        program = ReducedProgram(self.problem, forces=False)
+        outcome = self.search(program, root, accept=lambda choice, node: slack(self.problem, program, choice, node))
+        if outcome.slack or self.limit is not None:
             return program, outcome
+        self.nodes += outcome.nodes
         self.notes.append("forces are kept as unknowns: shared equally, they leave a friction pyramid or a torque limit")
         program = ReducedProgram(self.problem, forces=True)
-        again = search(self.problem, program, root, gap=gap, stop=self.stop, guesses=self.guesses)
-        again.nodes += outcome.nodes
-        return program, again
+        return program, self.search(program, root)
 
-    def slack(self, choice: Choice, node: Node) -> bool:
-        """Return whether the forces of a plan may be shared equally."""
+    def search(self, program: Program, root: Choice, accept: Accept = lambda _choice, _node: True) -> Outcome:
+        gap = self.problem.options.gap
+        return search(self.problem, program, root, gap=gap, stop=self.stop, accept=accept, guesses=self.guesses)
+
+    def feasible(self, program: Program, outcome: Outcome, turned: Turning | None) -> Solution:
         problem = self.problem
-        acceleration = sum(np.asarray(c) * q.at(node.answer.unknowns) for c, q in self.acceleration(node))
-        forces = shared_forces(problem, np.asarray(acceleration))
-        for foot in range(4):
-            held = problem.contacts[:, foot]
-            torque = forces[held, foot] @ np.array(problem.robot.jacobians[foot])
-            if (np.abs(torque) > np.array(problem.robot.torque_max_nm) + _SLACK_N).any():
-                return False
-            index = problem.support_index[:, foot]
-            for support in np.unique(index[held]):
-                ids = problem.start_polygons[foot] if support < 0 else choice[support][0]
-                cone = problem.polygons[ids].pyramid
-                if (forces[index == support, foot] @ cone.T > _SLACK_N).any():
-                    return False
-        return True
+        assert outcome.best is not None
+        assert outcome.node is not None
+        plan = plan_of(problem, program, outcome.best, outcome.node, turned)
+        value = objective(problem, plan)
+        bound = min(outcome.bound + (turned.bound if turned is not None else 0.0), value)
+        solve_ms = self.elapsed_ms()
+        worst = residuals(problem, plan)
+        kept = max(worst.values()) <= RESIDUAL_MAX
+        return Solution(
+            verdict="feasible" if kept else "unknown",
+            objective=value,
+            bound=bound if np.isfinite(bound) else None,
+            gap=(value - bound) / value,
+            net_gap=(value - bound) / max(value - problem.gravity_cost, 1e-9),
+            solve_ms=solve_ms,
+            certify_ms=0.0,
+            nodes=self.nodes,
+            max_residual=max(worst.values()),
+            residuals=worst,
+            certificate="rows of the whole model recomputed" if kept else "none: rows of the whole model are violated",
+            explanation=None,
+            limit=self.limit,
+            notes=tuple(self.notes),
+            plan=plan,
+            proof=proof_of(problem, program, outcome, turned),
+        )
 
-    def acceleration(self, node: Node) -> tuple[tuple[object, object], ...]:
-        raise NotImplementedError
+    def refuted(self, first: str, proof: Proof | None, certify: bool, why: bool) -> Solution:
+        """Answer that there is no plan, if one of the methods proves it and none of them disagrees."""
+        solve_ms = self.elapsed_ms()
+        begin = time.perf_counter()
+        second = HighsSolver().solve(standard_form(self.problem), _CERTIFY_S).feasible if certify else None
+        methods = [name for name, proved in ((first, bool(first)), ("HiGHS feasibility", second is False)) if proved]
+        proved = bool(methods) and second is not True
+        if second is True:
+            self.limit = "the two methods disagree about feasibility, within their tolerances"
+        elif not methods:
+            self.limit = "infeasible by PIQP, but no second method confirms it"
+        explanation = explain(self.problem) if proved and why else None
+        return self.negative(
+            "infeasible" if proved else "unknown",
+            solve_ms=solve_ms,
+            certify_ms=(time.perf_counter() - begin) * 1e3,
+            certificate=" and ".join(methods) if proved else "none",
+            explanation=explanation,
+            proof=proof,
+        )
+
+    def unknown(self) -> Solution:
+        return self.negative(
+            "unknown", solve_ms=self.elapsed_ms(), certify_ms=0.0, certificate="none", explanation=None, proof=None
+        )
+
+    def negative(
+        self,
+        verdict: str,
+        *,
+        solve_ms: float,
+        certify_ms: float,
+        certificate: str,
+        explanation: Explanation | None,
+        proof: Proof | None,
+    ) -> Solution:
+        return Solution(
+            verdict=verdict, objective=None, bound=None, gap=None, net_gap=None, solve_ms=solve_ms,
+            certify_ms=certify_ms, nodes=self.nodes, max_residual=None, residuals={}, certificate=certificate,
+            explanation=explanation, limit=self.limit, notes=tuple(self.notes), plan=None, proof=proof,
+        )  # fmt: skip
 
     def elapsed_ms(self) -> float:
         return (time.perf_counter() - self.begin) * 1e3
+
+
+def slack(problem: Problem, program: Program, choice: Choice, node: Node) -> bool:
+    """Return whether the forces of a plan may be shared equally: friction and torque do not press."""
+    terms = program.motion.base_acceleration
+    acceleration = sum(np.asarray(factor) * quantity.at(node.answer.unknowns) for factor, quantity in terms)
+    forces = shared_forces(problem, np.asarray(acceleration))
+    limit = np.array(problem.robot.torque_max_nm) + _SLACK_N
+    for foot in range(4):
+        torque = forces[:, foot] @ np.array(problem.robot.jacobians[foot])
+        if (np.abs(torque) > limit).any():
+            return False
+        index = problem.support_index[:, foot]
+        for support in np.unique(index[index > -2]):
+            ids = problem.start_polygons[foot] if support < 0 else choice[support][0]
+            if (forces[index == support, foot] @ problem.polygons[ids].pyramid.T > _SLACK_N).any():
+                return False
+    return True

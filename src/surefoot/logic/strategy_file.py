@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surefoot import __version__
 from surefoot.compute import sha256_of, write_text_whole, written_whole
@@ -101,7 +102,11 @@ def load_strategy(path: Path) -> SavedStrategy:
         arrays = _arrays(path, header["arrays"])
         environment = header["player"] == "environment"
         wanted = _ARRAYS + (_OF_ENVIRONMENT if environment else ())
-        whole: dict[str, Any] = {name: np.asarray(arrays[name]).astype(np.int64, casting="safe") for name in wanted}
+        whole: dict[str, Any] = {name: _whole(np.asarray(arrays[name])) for name in wanted}
+        nodes = len(whole["memory"])
+        for name, width in (("values", len(inputs + outputs)), ("moves", len(inputs))):
+            if name in whole and whole[name].size == 0:
+                whole[name] = whole[name].reshape(nodes, width)
         player: Player = "environment" if environment else "system"
         transducer = Transducer(player=player, variables=inputs + outputs, inputs=len(inputs), **whole)
         _check_indices(transducer)
@@ -145,6 +150,11 @@ def _arrays(path: Path, kept: dict[str, Any]) -> dict[str, Any]:
             return dict(archive)
     except (OSError, ValueError, EOFError, zipfile.BadZipFile, NotImplementedError) as problem:
         raise InputError("is not a whole npz file of plain arrays", source=beside) from problem
+
+
+def _whole(array: NDArray[Any]) -> NDArray[np.int64]:
+    """Return an array as whole numbers; an empty list has no type of its own."""
+    return array.astype(np.int64, casting="safe" if array.size else "unsafe")
 
 
 def _check_indices(transducer: Transducer) -> None:

@@ -143,7 +143,8 @@ class WalkingBlock(Block):
     """Numbers of the gait. What is not given gets the default of `surefoot.walking.walking_parameters`."""
 
     fine_cells: Annotated[
-        int | None, Field(ge=4, le=200, description="fine cells per side of a coarse cell; default: one per 0.104 m, at least 26")
+        int | None,
+        Field(ge=4, le=200, description="fine cells per side of a cell; default: one per 0.104 m, at least 26"),
     ] = None
     turn_angle_deg: Annotated[
         float | None, Field(gt=0, le=90, description="heading change of a turn step; must divide 90; default 22.5")

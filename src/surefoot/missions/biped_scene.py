@@ -12,7 +12,7 @@ from pathlib import Path
 from surefoot.errors import InputError
 from surefoot.frames import Cell, Direction
 from surefoot.missions.scenario import Scenario, read_scenario
-from surefoot.navigation import CoarseMap, NavigationProblem, adjacent_free, coarse_map
+from surefoot.navigation import BeliefKind, CoarseMap, NavigationProblem, adjacent_free, coarse_map
 from surefoot.robots import Biped, biped
 from surefoot.walking import StepLibrary, WalkingParameters, step_library, walking_parameters
 from surefoot.world import (
@@ -26,6 +26,10 @@ from surefoot.world import (
     make_heights,
     read_occupancy_map,
 )
+
+
+MOST_CELLS_FOR_EXACT_BELIEF = 40
+"""Beyond, the sets in which an obstacle may hide are too many to tell apart, unless the scenario asks for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +144,8 @@ def _problem(scenario: Scenario, coarse: CoarseMap) -> NavigationProblem:
         _check_reachable(coarse, start, goal, f"goals[{number}].position_m")
     obstacles, forbidden = _obstacles(scenario, grid, start)
     regions = _regions(scenario, grid)
+    enterable = sum(grid.index(cell) not in forbidden for cell in grid.free_cells())
+    by_size: BeliefKind = "exact" if enterable <= MOST_CELLS_FOR_EXACT_BELIEF else "single"
     return NavigationProblem(
         coarse=coarse,
         start=grid.index(start),
@@ -148,7 +154,7 @@ def _problem(scenario: Scenario, coarse: CoarseMap) -> NavigationProblem:
         obstacle_starts=tuple(map(grid.index, obstacles)),
         forbidden=forbidden,
         regions=regions,
-        belief=scenario.belief,
+        belief=scenario.navigation.belief or ("regions" if regions else by_size),
         view=scenario.navigation.view,
     )
 

@@ -100,11 +100,6 @@ class Scenario(Block):
         """The map, relative to the scenario's folder unless absolute."""
         return Path(self.map) if self._path is None else self._path.parent / self.map
 
-    @property
-    def belief(self) -> Literal["regions", "exact", "single"]:
-        """How precisely hidden obstacles are tracked, the default filled in."""
-        return self.navigation.belief or ("regions" if self.belief_regions else "exact")
-
     def place(self, *loc: str | int) -> dict[str, Any]:
         """Return where something stands, as keywords for an InputError.
 

@@ -11,7 +11,7 @@ from surefoot.navigation.action_game import (
     standing_start,
 )
 from surefoot.navigation.action_rules import STOP_ORDER, Action, ActionRules, Context, Mode, action_rules, order_context
-from surefoot.navigation.belief import first_knowledge
+from surefoot.navigation.belief import BeliefKind, first_knowledge
 from surefoot.navigation.coarse import CoarseMap, adjacent_free, coarse_map
 from surefoot.navigation.navigation_game import (
     NavigationGame,
@@ -37,6 +37,7 @@ __all__ = [
     "ActionGame",
     "ActionRules",
     "ActionStrategy",
+    "BeliefKind",
     "CoarseMap",
     "Context",
     "Deviations",

@@ -8,6 +8,8 @@ from typing import NamedTuple
 from surefoot.frames import Direction
 from surefoot.verify.scene import Scene
 
+MOST_CELLS_FOR_EXACT = 40
+
 
 class Known(NamedTuple):
     """What is known of the obstacle.
@@ -90,6 +92,8 @@ class Obstacle:
     def abstraction(self, hidden: int, viewer: int) -> int:
         """Return the belief that stands for a hidden image seen from a cell."""
         method = self.scene.scenario.belief
+        if method == "by size":
+            method = "exact" if len(self.domain) <= MOST_CELLS_FOR_EXACT else "single"
         if method == "exact":
             return hidden
         unseen = ((1 << len(self.domain)) - 1) & ~self.seen_from(viewer)

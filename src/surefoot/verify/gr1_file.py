@@ -79,7 +79,7 @@ def read_strategy(path: Path, specification_path: Path | None = None) -> Strateg
         successors=arrays["successors"],
         initial=arrays["initial"],
         moves=arrays.get("moves", empty),
-        initial_inputs=arrays.get("initial_inputs", empty[:, 0]),
+        initial_inputs=arrays.get("initial_inputs", np.zeros(0, dtype=np.int64)),
     )
 
 
@@ -147,14 +147,19 @@ def _array(kept: Fields, name: str, value: object) -> Ints:
 
 def _check_shapes(fields: Fields, arrays: dict[str, Ints], specification: Specification) -> None:
     """Refuse arrays that do not fit together."""
-    values, first, inputs = arrays["values"], arrays["first"], len(specification.inputs)
-    nodes = len(values)
-    shapes = {"values": (nodes, len(specification.variables)), "memory": (nodes,), "first": (nodes + 1,)}
+    first, inputs, nodes = arrays["first"], len(specification.inputs), len(arrays["memory"])
+    shapes: dict[str, tuple[int, ...]] = {
+        "values": (nodes, len(specification.variables)),
+        "memory": (nodes,),
+        "first": (nodes + 1,),
+    }
     shapes |= {"moves": (nodes, inputs), "initial_inputs": (inputs,)}
     for name, shape in shapes.items():
-        if name in arrays and arrays[name].shape != shape and 0 not in shape:
+        if name in arrays and arrays[name].size == 0 and 0 in shape:
+            arrays[name] = arrays[name].reshape(shape)
+        if name in arrays and arrays[name].shape != shape:
             raise fields.wrong(f"arrays.{name}", f"has to have the shape {shape}")
-    if first.size != nodes + 1 or first[0] != 0 or first[-1] != len(arrays["successors"]) or (np.diff(first) < 0).any():
+    if first[0] != 0 or first[-1] != len(arrays["successors"]) or (np.diff(first) < 0).any():
         raise fields.wrong("arrays.first", "has to rise from 0 to the number of successors")
     for name in ("successors", "initial"):
         if (arrays[name] < 0).any() or (arrays[name] >= nodes).any():

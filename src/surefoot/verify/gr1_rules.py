@@ -52,7 +52,7 @@ class Rules:
         lower = np.array([v.values[0] for v in self.specification.variables], dtype=np.int64)
         upper = np.array([v.values[-1] for v in self.specification.variables], dtype=np.int64)
         values = self.values[nodes]
-        return np.logical_and(values >= lower, values <= upper).all(axis=1).reshape(nodes.shape)
+        return np.asarray(((values >= lower) & (values <= upper)).all(axis=1), dtype=np.bool_)
 
     def on_nodes(self, conjunct: Conjunct, nodes: Ints) -> NDArray[np.bool_]:
         """Return in which nodes a conjunct without primes holds."""

@@ -29,6 +29,11 @@ def verify_path(path: Path, specification: Path | None = None) -> Report:
 
         check_strategy(path, ledger, specification)
         return ledger.report("gr1-strategy")
+    if specification is None and (_kind(path) == "step-region" or path.suffix == ".npz"):
+        from surefoot.verify.regions import check_region
+
+        check_region(path, ledger)
+        return ledger.report("step-region")
     if specification is not None:
         raise InputError("is no strategy, and only strategies have a specification", source=path)
     if (folder / "run.jsonl").is_file() and path.name != "plan.json":

@@ -136,7 +136,9 @@ def read_scenario(path: Path) -> Scenario:
         stairs=tuple(_stairs(part) for part in heights.mappings("stairs", optional=True)),
         view_post=game.text("view", "post", among=("post", "pre")) == "post",
         corners_hide=game.text("corners", "visible", among=("visible", "hidden")) == "hidden",
-        belief=game.text("belief", "regions" if regions else "exact", among=("regions", "exact", "single")),
+        belief=game.text(
+            "belief", "regions" if regions else "by size", among=("regions", "exact", "single", "by size")
+        ),
         walking=_walking(top.mapping("walking", optional=True), cell_size_m),
     )
 

@@ -245,7 +245,11 @@ def claim_edges(
                         label = old[i, j]
                         if label == 0 or label == choice or (neighbours == 1 and i != r and j != c):
                             continue
-                        miss = abs(z[r, c] - planes[label, 0] - planes[label, 1] * c - planes[label, 2] * r)
+                        miss = 0.0  # of a dropout only the neighbours can tell
+                        if not np.isnan(z[r, c]):
+                            miss = abs(z[r, c] - planes[label, 0] - planes[label, 1] * c - planes[label, 2] * r)
+                        elif neighbours == 1:
+                            continue
                         if miss > best or (neighbours > 1 and _alike(old, r, c, label) < neighbours):
                             continue
                         best, choice = miss, label

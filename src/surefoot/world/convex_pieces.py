@@ -123,12 +123,7 @@ class _Corners:
 
     def _resolves(self, k: int, way: Floats) -> bool:
         """Return whether a cut in a direction leaves no inward corner on either side."""
-        # The wedge of cuts that resolve corner k lies between the extension of the edge that comes in and the
-        # backward extension of the one that goes out; it is narrower than a half turn.
-        first, last = self.into[k], -self.out[k]
-        if _cross(first, last) < 0:
-            first, last = last, first
-        return bool(_cross(first, way) >= -1e-6 and _cross(way, last) >= -1e-6)
+        return bool(_cross(self.into[k], way) >= -1e-6 and _cross(self.out[k], way) >= -1e-6)
 
     def _ray(self, k: int, way: Floats, starts: list[Floats], ends: list[Floats]) -> Floats:
         """Return where a ray from a corner first meets the boundary or a cut."""
@@ -190,8 +185,10 @@ def _joined(faces: list[Any]) -> list[Any]:
         first, second = first[pairs], second[pairs]
         areas = shapely.area(shapes)
         sums = areas[first] + areas[second]
-        hulls = shapely.convex_hull(shapely.multipolygons([[shapes[a], shapes[b]] for a, b in zip(first, second, strict=True)])) if len(first) else np.empty(0, object)
-        gain = np.flatnonzero(shapely.area(hulls) - sums <= 1e-5 * sums) if len(first) else np.empty(0, np.intp)
+        if not len(first):
+            return faces
+        hulls = shapely.convex_hull(shapely.geometrycollections(np.column_stack((shapes[first], shapes[second]))))
+        gain = np.flatnonzero(shapely.area(hulls) - sums <= 1e-5 * sums)
         if not len(gain):
             return faces
         taken: set[int] = set()

@@ -16,8 +16,13 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-SIMPLIFY_CELLS = 0.75
-GUARD_CELLS = 0.5
+SIMPLIFY_CELLS = (1.0, 0.6)
+UNSURE_CELLS = 0.5
+"""A scan knows an edge to half a cell."""
+FEW = 6
+SURE_POINTS = 10
+THIN = 0.35
+"""A region of which the margin leaves less is thin: between other things whose corners may reach into it unseen."""
 
 
 def inset_outline(mask: Flags, margin_cells: float) -> tuple[Any, float]:
@@ -33,15 +38,46 @@ def inset_outline(mask: Flags, margin_cells: float) -> tuple[Any, float]:
     """
     rings = contour_rings(mask)
     contour = _region(rings)
-    plain = shapely.buffer(contour, -margin_cells, join_style="mitre", mitre_limit=3.0)
-    straight = _region([straightened(ring) for ring in rings])
-    inset = shapely.buffer(straight, -margin_cells, join_style="mitre", mitre_limit=3.0)
-    guard = shapely.buffer(contour, GUARD_CELLS - margin_cells, join_style="mitre", mitre_limit=3.0)
-    if not guard.covers(inset):
-        inset = _polygons(shapely.intersection(inset, guard))
-    if inset.area < 0.9 * plain.area:  # straight edges did not fit this shape
-        inset = plain
-    return inset, float(plain.area)
+    plain = _shrunk(contour, margin_cells)
+    inward, apart = max(margin_cells - UNSURE_CELLS / 2, min(margin_cells, UNSURE_CELLS)), UNSURE_CELLS
+    if plain.area < THIN * contour.area:
+        inward, apart = margin_cells, 2 * UNSURE_CELLS
+    outside = _beside(mask)
+    for tolerance in SIMPLIFY_CELLS:
+        inset = _shrunk(_region([straightened(ring, tolerance) for ring in rings]), inward)
+        near = _too_near(inset, outside, min(inward, apart))
+        if 0 < len(near) <= FEW:
+            x, y, reach = near[:, 0], near[:, 1], inward + UNSURE_CELLS
+            inset = shapely.difference(inset, shapely.union_all(shapely.box(x - reach, y - reach, x + reach, y + reach)))
+        if len(near) <= FEW and inset.area > 0.9 * plain.area:
+            return _polygons(inset), float(plain.area)
+    return _shrunk(contour, inward), float(plain.area)
+
+
+def _beside(mask: Flags) -> Floats:
+    """Return the centres of the cells that touch a region from outside."""
+    from scipy import ndimage
+
+    framed = np.pad(mask, 1)
+    rows, columns = np.nonzero(ndimage.binary_dilation(framed, np.ones((3, 3), np.bool_)) & ~framed)
+    sides = np.column_stack((columns, rows)).astype(np.float64) - 1.0
+    rows, columns = mask.shape
+    edge = [(-1.0, y) for y in range(rows)] + [(float(columns), y) for y in range(rows)]
+    edge += [(x, -1.0) for x in range(columns)] + [(x, float(rows)) for x in range(columns)]
+    return np.vstack((sides, np.array(edge)))
+
+
+def _too_near(shape: Any, points: Floats, distance: float) -> Floats:
+    """Return the points that are nearer to a shape than a distance."""
+    if shape.is_empty:
+        return points[:0]
+    shapely.prepare(shape)
+    found: Floats = points[shapely.dwithin(shape, shapely.points(points), distance - 1e-6)]
+    return found
+
+
+def _shrunk(shape: Any, cells: float) -> Any:
+    return shapely.buffer(shape, -cells, join_style="mitre", mitre_limit=3.0)
 
 
 def contour_rings(mask: Flags) -> list[Floats]:
@@ -52,11 +88,18 @@ def contour_rings(mask: Flags) -> list[Floats]:
     return [ring[:-1, ::-1] - 1.0 for ring in rings if len(ring) > 3]
 
 
-def straightened(ring: Floats) -> Floats:
-    """Return a ring with few, straight edges that run through the middle of the given points."""
+def straightened(ring: Floats, tolerance: float) -> Floats:
+    """Return a ring with few, straight edges that run through the middle of the given points.
+
+    Short and crooked edges are known badly; they are moved inward, towards the innermost of their points.
+
+    Args:
+        ring: (n, 2) contour with the region to its left (y down as if it were up), as ``contour_rings`` gives them.
+        tolerance: of the simplification, in cells.
+    """
     start = int(np.argmax(((ring - ring.mean(axis=0)) ** 2).sum(axis=1)))
     points = np.roll(ring, -start, axis=0)
-    corners = _corners(points)
+    corners = _corners(points, tolerance)
     if len(corners) < 3:
         return ring
     lines = [_line(points, a, b) for a, b in zip(corners, np.roll(corners, -1), strict=True)]
@@ -66,16 +109,16 @@ def straightened(ring: Floats) -> Floats:
     return np.array(out) if len(out) >= 3 else ring
 
 
-def _corners(points: Floats) -> NDArray[np.intp]:
+def _corners(points: Floats, tolerance: float) -> NDArray[np.intp]:
     """Return the indices of the points that a simplification keeps."""
     closed = np.vstack((points, points[:1]))
-    kept = shapely.get_coordinates(shapely.simplify(shapely.linestrings(closed), SIMPLIFY_CELLS))[:-1]
+    kept = shapely.get_coordinates(shapely.simplify(shapely.linestrings(closed), tolerance))[:-1]
     index = {(x, y): k for k, (x, y) in enumerate(points.tolist())}
     return np.array([index[x, y] for x, y in kept.tolist()], np.intp)
 
 
-def _line(points: Floats, a: int, b: int) -> tuple[Floats, Floats, int]:
-    """Return a point, a unit direction and the support of the line through the points from a to b."""
+def _line(points: Floats, a: int, b: int) -> tuple[Floats, Floats]:
+    """Return a point and the unit direction of the line through the points from a to b."""
     stop = b if b > a else b + len(points)
     chosen = points[np.arange(a, stop + 1) % len(points)]
     if len(chosen) > 5:
@@ -87,14 +130,17 @@ def _line(points: Floats, a: int, b: int) -> tuple[Floats, Floats, int]:
         along = axes[0] if axes[0] @ along > 0 else -axes[0]
     else:
         middle = (points[a] + points[b]) / 2
-    return middle, along / np.linalg.norm(along), len(chosen)
+    along = along / np.linalg.norm(along)
+    inward = np.array([-along[1], along[0]])
+    depth = (chosen - middle) @ inward
+    shift = float(depth.max()) if len(chosen) < SURE_POINTS else float(np.quantile(depth, 0.9)) - UNSURE_CELLS
+    middle = middle + max(shift, 0.0) * inward
+    return middle, along
 
 
-def _meeting(
-    before: tuple[Floats, Floats, int], after: tuple[Floats, Floats, int], corner: Floats
-) -> list[Floats]:
+def _meeting(before: tuple[Floats, Floats], after: tuple[Floats, Floats], corner: Floats) -> list[Floats]:
     """Return where two fitted edges meet; where they are almost parallel, the corner moved onto each of them."""
-    (p, u, _), (q, v, _) = before, after
+    (p, u), (q, v) = before, after
     cross = float(u[0] * v[1] - u[1] * v[0])
     if abs(cross) > 0.2:
         t = float((q - p)[0] * v[1] - (q - p)[1] * v[0]) / cross

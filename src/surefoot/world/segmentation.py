@@ -1,8 +1,8 @@
 """Splits an elevation map into planar regions that a foot may stand on, and says of every other cell why not.
 
-The order of work: bridge holes that are only dropouts, fit a plane to the window around every cell, grow planar regions
+The order of work: fit a plane to the window around every cell, grow planar regions
 from the middle of even ground, then give cells at edges (where windows mix two surfaces) to the region whose plane they
-lie on. Wide windows come first, because they see through noise; narrow ones then find what is too small for them.
+lie on, and dropouts of the sensor to the region around them. Wide windows come first, because they see through noise; narrow ones then find what is too small for them.
 
 Source: our own; the limits are those of the elevation_mapping_cupy plane segmentation (slope, plane error, least cells).
 """
@@ -22,6 +22,10 @@ from surefoot.world.elevation import ElevationMap
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Labels = NDArray[np.int32]
+
+
+_SURE_CELLS = 16
+"""So many cells give a better plane than the windows that a region grew from."""
 
 
 class CellClass(IntEnum):
@@ -88,8 +92,7 @@ class Segmentation:
         labels: (rows, columns), 0 where there is no region, else 1 .. n.
         planes: (n + 1, 3) of ``z = a + b column + d row``; row 0 is not used.
         classes: (rows, columns) of ``CellClass``.
-        heights_m: the heights with dropouts bridged.
-        bridged: cells that were bridged.
+        bridged: cells of regions that hold no data: dropouts of the sensor.
         misses_m: (rows, columns) distance of the ground from its region's plane, averaged over 3 x 3 cells of the region.
         noise_m: estimated standard deviation of the measured heights.
     """
@@ -97,7 +100,6 @@ class Segmentation:
     labels: Labels
     planes: Floats
     classes: NDArray[np.uint8]
-    heights_m: Floats
     bridged: Flags
     misses_m: Floats
     noise_m: float
@@ -118,7 +120,8 @@ def segment(elevation: ElevationMap, options: SegmentOptions) -> Segmentation:
     from surefoot.world import _plane_kernels as kernels
 
     cell_m = elevation.resolution_m
-    heights, bridged = bridge_dropouts(elevation.height_m, cell_m, options.fill_m)
+    heights = elevation.height_m.copy()
+    dropouts = find_dropouts(heights, cell_m, options.fill_m)
     wide = min(max(1, round(options.window_m / (2 * cell_m) - 1e-9)), 3)
     narrow_fit = kernels.fit_windows(heights, 1)
     noise_m = _noise(kernels.fit_windows(heights, wide)[3] if wide > 1 else narrow_fit[3])
@@ -126,17 +129,20 @@ def segment(elevation: ElevationMap, options: SegmentOptions) -> Segmentation:
     passes = [(1, strict_m), (wide, options.max_roughness_m)]
     if wide > 1 and noise_m > 0.002:
         passes.insert(0, (wide, strict_m))
-    state = _State(heights, options, cell_m, noise_m)
+    state = _State(heights, dropouts, options, cell_m, noise_m)
     for half, roughness_m in passes:
         state.grow(half, roughness_m)
-    return state.finished(bridged)
+    return state.finished()
 
 
 class _State:
     """The labels while regions are being found; it lives within one call of ``segment``."""
 
-    def __init__(self, heights: Floats, options: SegmentOptions, cell_m: float, noise_m: float) -> None:
-        self.heights, self.options, self.cell_m, self.noise_m = heights, options, cell_m, noise_m
+    def __init__(
+        self, heights: Floats, dropouts: Flags, options: SegmentOptions, cell_m: float, noise_m: float
+    ) -> None:
+        self.heights, self.dropouts, self.options = heights, dropouts, options
+        self.cell_m, self.noise_m = cell_m, noise_m
         self.labels: Labels = np.zeros(heights.shape, np.int32)
         self.planes: Floats = np.zeros((1, 3))
         self.known: Flags = ~np.isnan(heights)
@@ -160,9 +166,9 @@ class _State:
         lever = sum(k * k for k in range(-half, half + 1)) * (2 * half + 1)
         bend = 0.15 * self.cell_m + 3 * self.noise_m / math.sqrt(lever)
         found, _ = kernels.grow_regions(smooth, b, d, core, seeds, tolerance_m, bend, max(self.least // 4, 3), 1)
-        self._settle(found, half)
+        self._settle(found, smooth, half)
 
-    def _settle(self, found: Labels, half: int) -> None:
+    def _settle(self, found: Labels, smooth: Floats, half: int) -> None:
         """Let new regions claim the cells at their edges, solid ones first, and keep those that are large enough."""
         from scipy import ndimage
 
@@ -173,20 +179,25 @@ class _State:
         depth = ndimage.distance_transform_edt(np.pad(_inside(found), 1))[1:-1, 1:-1]
         solid = np.asarray(ndimage.maximum(depth, found, np.arange(found.max() + 1))) >= 2
         solid[0] = False
-        planes = kernels.region_planes(self.heights, found, int(found.max()) + 1)
+        planes = kernels.region_planes(smooth, found, int(found.max()) + 1)
         claims = np.where(solid[found], found, 0).astype(np.int32)
-        claims = self._claimed(claims, planes, half + 2)
+        claims, planes = self._claimed(claims, planes, half + 2)
         rest = np.where((claims == 0) & (found > 0), found, claims).astype(np.int32)
-        rest = self._claimed(rest, planes, half + 2)
-        self._keep(rest, planes)
+        self._keep(*self._claimed(rest, planes, half + 2))
 
-    def _claimed(self, labels: Labels, planes: Floats, rounds: int) -> Labels:
+    def _claimed(self, labels: Labels, planes: Floats, rounds: int) -> tuple[Labels, Floats]:
+        """Let regions claim cells around them, ring by ring, and fit their planes to what they have."""
         from surefoot.world import _plane_kernels as kernels
 
-        open_ = self.known & (self.labels == 0)
-        near_m = max(min(2.5 * self.noise_m, self.options.max_error_m), 0.25 * self.options.max_error_m)
-        labels = kernels.claim_edges(self.heights, labels, planes, open_, near_m, rounds, 1)
-        return kernels.claim_edges(self.heights, labels, planes, open_, max(2 * near_m, 4 * self.noise_m), 2, 5)
+        free = self.labels == 0
+        error_m = self.options.max_error_m
+        near_m = min(max(3 * self.noise_m, 0.25 * error_m), 1.5 * error_m)
+        for _ in range(rounds):
+            labels = kernels.claim_edges(self.heights, labels, planes, self.known & free, near_m, 1, 1)
+            enough = np.bincount(labels.ravel(), minlength=len(planes)) >= _SURE_CELLS
+            planes = np.where(enough[:, None], kernels.region_planes(self.heights, labels, len(planes)), planes)
+        open_ = (self.known | self.dropouts) & free
+        return kernels.claim_edges(self.heights, labels, planes, open_, max(2 * near_m, 4 * self.noise_m), 3, 4), planes
 
     def _keep(self, found: Labels, planes: Floats) -> None:
         """Take over regions, in connected parts that are large enough and that the margin leaves something of."""
@@ -206,25 +217,22 @@ class _State:
         self.labels = np.where(good[parts], number[parts] + len(self.planes) - 1, self.labels).astype(np.int32)
         self.planes = np.vstack((self.planes, planes[owner[good]]))
 
-    def finished(self, bridged: Flags) -> Segmentation:
+    def finished(self) -> Segmentation:
         """Fit the planes again, give back what is too far from them, and say of every cell what it is."""
         from surefoot.world import _plane_kernels as kernels
 
-        measured = np.where(bridged, np.nan, self.heights)
-        planes = kernels.region_planes(measured, self.labels, len(self.planes))
-        misses = kernels.own_means(measured - surface(self.labels, planes), self.labels, 1)
+        planes = kernels.region_planes(self.heights, self.labels, len(self.planes))
+        apart = self.heights - surface(self.labels, planes)
+        misses = kernels.own_means(apart, self.labels, 1)
         with np.errstate(invalid="ignore"):
             far = np.abs(misses) > self.options.max_error_m
-            pits = np.abs(self.heights - surface(self.labels, planes)) > max(
-                2 * self.options.max_error_m, 5 * self.noise_m
-            )
-        self.labels = np.where(far | pits, 0, self.labels).astype(np.int32)
-        return Segmentation(
-            self.labels, planes, self._classes(planes), self.heights, bridged, np.where(far | pits, np.nan, misses),
-            self.noise_m,
-        )
+            far |= np.abs(apart) > max(2 * self.options.max_error_m, 5 * self.noise_m)
+        self.labels = np.where(far, 0, self.labels).astype(np.int32)
+        misses = np.where(self.labels > 0, misses, np.nan)
+        bridged = self.dropouts & (self.labels > 0)
+        return Segmentation(self.labels, planes, self._classes(), bridged, misses, self.noise_m)
 
-    def _classes(self, planes: Floats) -> NDArray[np.uint8]:
+    def _classes(self) -> NDArray[np.uint8]:
         from surefoot.world import _plane_kernels as kernels
 
         _, b, d, rms = kernels.fit_windows(self.heights, 1)
@@ -248,41 +256,27 @@ def surface(labels: Labels, planes: Floats) -> Floats:
     return height
 
 
-def bridge_dropouts(height_m: Floats, cell_m: float, fill_m: float) -> tuple[Floats, Flags]:
-    """Fill cells without data that are no holes but dropouts of the sensor.
+def find_dropouts(height_m: Floats, cell_m: float, fill_m: float) -> Flags:
+    """Return the cells without data that are no holes but dropouts of the sensor.
 
-    A dropout is a group of empty cells (joined by sides) that nowhere holds a square wider than ``fill_m``, that is not
-    longer than five cells or 10 cm, and whose neighbours differ in height by no more than 5 cm.
-
-    Returns:
-        The heights, and which cells were filled (with the mean of the known cells around them).
+    A dropout is a group of empty cells (joined by sides) that nowhere holds a square wider than ``fill_m`` (single cells
+    always count as narrow, unless it is 0) and that is not longer than five cells or 10 cm.
     """
     from scipy import ndimage
     from skimage.measure import label as connected
 
     empty = np.isnan(height_m)
-    bridged = np.zeros_like(empty)
     if fill_m <= 0 or not empty.any():
-        return height_m.copy(), bridged
+        return np.zeros_like(empty)
     width = max(1, math.floor(fill_m / cell_m + 1e-6))
     square = np.ones((width + 1, width + 1), np.bool_)
     holes = ndimage.binary_opening(np.pad(empty, width + 1, constant_values=True), square)
     thin = empty & ~holes[width + 1 : -width - 1, width + 1 : -width - 1]
     parts = connected(thin, connectivity=1)
     longest = max(5, round(0.1 / cell_m))
-    fine = np.array([False] + [_extent(place) <= longest for place in ndimage.find_objects(parts)])
-    low = ndimage.minimum_filter(np.where(empty, np.inf, height_m), 3)
-    high = ndimage.maximum_filter(np.where(empty, -np.inf, height_m), 3)
-    numbers = np.arange(len(fine))
-    spread = np.asarray(ndimage.maximum(high, parts, numbers)) - np.asarray(ndimage.minimum(low, parts, numbers))
-    fine &= spread <= 0.05
-    bridged = fine[parts] & thin
-    weight = ndimage.uniform_filter((~empty).astype(np.float64), 2 * width + 1, mode="constant")
-    total = ndimage.uniform_filter(np.where(empty, 0.0, height_m), 2 * width + 1, mode="constant")
-    bridged &= weight > 1e-6
-    heights = height_m.copy()
-    heights[bridged] = total[bridged] / weight[bridged]
-    return heights, bridged
+    short = np.array([False] + [_extent(place) <= longest for place in ndimage.find_objects(parts)])
+    dropouts: Flags = short[parts] & thin
+    return dropouts
 
 
 def _extent(place: tuple[slice, slice]) -> int:

@@ -1,0 +1,55 @@
+"""``surefoot export``: a saved strategy in the format of another tool."""
+
+from __future__ import annotations
+
+import json
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from surefoot.cli.output import AsJson
+
+
+class Format(StrEnum):
+    """What strategies are exported to."""
+
+    HOA = "hoa"
+    DOT = "dot"
+    SLUGS_JSON = "slugs-json"
+    AIGER = "aiger"
+
+
+def export(
+    strategy: Annotated[Path, typer.Argument(help="A strategy file, from surefoot synth.", show_default=False)],
+    to: Annotated[Format, typer.Option("--format", help="The format.", show_default=False)],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="The file; standard output if none.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write a strategy as an automaton, a graph, slugs' JSON or a circuit.
+
+    hoa: an automaton with the next values of all bits as labels. dot: a graph
+    with integers as integers. slugs-json: as slugs prints explicit strategies.
+    aiger: a circuit in ASCII, for strategies of the system.
+
+    Examples:
+      surefoot export strategy.json --format dot -o strategy.dot
+      surefoot export strategy.json --format aiger > strategy.aag
+
+    Exit code 0: written; 2: the strategy cannot be read or does not fit.
+    """
+    from surefoot.compute import write_text_whole
+    from surefoot.logic.exports import export as exported
+    from surefoot.logic.strategy_file import load_strategy
+
+    text = exported(load_strategy(strategy).transducer, to.value)
+    if output is not None:
+        write_text_whole(output, text)
+    if as_json:
+        found: dict[str, object] = {"format": to.value, "characters": len(text)}
+        print(json.dumps(found | ({"text": text} if output is None else {"file": str(output)})))
+    elif output is None:
+        print(text, end="")
+    else:
+        print(f"{output}: {to.value}, {len(text)} characters")

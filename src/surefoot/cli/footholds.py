@@ -1,0 +1,113 @@
+"""``surefoot footholds``: footholds, forces and base motion for a given gait, or a proof that there are none."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from surefoot.cli.failures import ExitCode
+from surefoot.cli.output import AsJson, answer, facts, jsonable
+
+if TYPE_CHECKING:
+    from surefoot.footholds import Problem, Solution
+
+app = typer.Typer(help="Footholds for a gait: solve, retarget, animate, print the schema.", rich_markup_mode="rich")
+
+_ProblemFile = Annotated[Path, typer.Argument(metavar="PROBLEM", help="A problem file, YAML or JSON.", show_default=False)]
+
+
+@app.command("solve")
+def solve(
+    problem: _ProblemFile,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="The plan file to write.")] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", help="A picture (PNG) to draw.")] = None,
+    time_limit_s: Annotated[float | None, typer.Option("--time-limit", min=1e-3, help="Overrides the file's, in seconds.")] = None,
+    gap: Annotated[float | None, typer.Option("--gap", min=1e-9, max=0.99, help="Overrides the file's.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the best footholds, forces and base motion, or prove that there are none.
+
+    Examples:
+      surefoot footholds solve problem.yaml -o plan.json --plot plan.png
+      surefoot footholds solve problem.yaml --json
+
+    Exit code 0: feasible; 1: infeasible, with the reason; 2: the problem file
+    cannot be used; 3: unknown, a limit was reached.
+    """
+    from dataclasses import replace
+
+    from surefoot.footholds import read_problem, write_plan
+    from surefoot.footholds import solve as solve_problem
+
+    read = read_problem(problem)
+    changed = {name: value for name, value in (("time_limit_s", time_limit_s), ("gap", gap)) if value is not None}
+    read = replace(read, options=replace(read.options, **changed))
+    solution = solve_problem(read)
+    if output is not None:
+        write_plan(output, read, solution)
+    if plot is not None:
+        from surefoot.viewer.footholds import draw_plan
+
+        draw_plan(read, solution.plan, plot)
+    _say(read, solution, as_json=as_json)
+
+
+def _say(problem: Problem, solution: Solution, *, as_json: bool) -> None:
+    from surefoot.footholds.plan_file import answer_of, values_of
+
+    value = {**answer_of(solution), "values": values_of(problem)}
+    lines = _lines(solution)
+    if solution.verdict == "unknown":
+        print(json.dumps(jsonable(value)) if as_json else "\n".join(lines))
+        raise typer.Exit(int(ExitCode.UNKNOWN))
+    answer(value, lines, yes=solution.verdict == "feasible", as_json=as_json)
+
+
+def _lines(solution: Solution) -> list[str]:
+    shown: dict[str, Any] = {}
+    if solution.plan is not None:
+        shown = {
+            "objective": solution.objective,
+            "bound": solution.bound if solution.bound is not None else "none",
+            "gap": solution.gap,
+            "gap without gravity": solution.net_gap,
+            "worst residual": solution.max_residual,
+        }
+    shown |= {"time to solve [ms]": solution.solve_ms, "time to certify [ms]": solution.certify_ms}
+    shown |= {"convex programs": solution.nodes, "certificate": solution.certificate}
+    head = solution.verdict.capitalize() + (f" ({solution.limit})" if solution.limit else "")
+    why = [f"  because: {lack.text}" for lack in solution.explanation.lacks[:4]] if solution.explanation else []
+    return [head, *why, *facts(shown), *(f"  note: {note}" for note in solution.notes)]
+
+
+@app.command("animate")
+def animate(
+    plan: Annotated[Path, typer.Argument(metavar="PLAN", help="A plan file.", show_default=False)],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The animation (GIF) to write.")] = Path("plan.gif"),
+    as_json: AsJson = False,
+) -> None:
+    """Animate a plan: terrain, base, feet and forces over time.
+
+    Examples:
+      surefoot footholds animate plan.json -o plan.gif
+    """
+    from surefoot.viewer.footholds import animate_plan
+
+    frames = animate_plan(plan, output)
+    answer({"animation": str(output), "frames": frames}, [f"Wrote {output} ({frames} frames)"], yes=True, as_json=as_json)
+
+
+@app.command("schema")
+def schema(as_json: AsJson = False) -> None:
+    """Print the JSON Schema of a problem file (for editors and for other programs).
+
+    Examples:
+      surefoot footholds schema > problem.schema.json
+    """
+    from surefoot.footholds import problem_schema
+
+    printed = problem_schema()
+    answer(printed, json.dumps(printed, indent=2).splitlines(), yes=True, as_json=as_json)

@@ -1,0 +1,314 @@
+"""Terrain polygons: convex, planar pieces of ground that a foot may stand on, and how they are made from a scan."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surefoot.errors import InputError
+from surefoot.world.elevation import ElevationMap
+from surefoot.world.narrow_things import NarrowThing
+from surefoot.world.segmentation import CellClass, SegmentOptions
+
+if TYPE_CHECKING:
+    from surefoot.world.planar_regions import PlanarRegion
+    from surefoot.world.segmentation import Segmentation
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TerrainPolygon:
+    """A convex, planar piece of ground; the foot margin is taken off already.
+
+    Attributes:
+        vertices_m: (n, 3) in order, counter-clockwise seen from above; read-only.
+        friction: friction coefficient.
+        region: which region it is a piece of, from 0; -1 for the centre line of a narrow thing.
+        normal: unit normal of its plane, pointing up.
+        offset_m: ``normal . p = offset_m`` for its points.
+    """
+
+    vertices_m: Floats
+    friction: float
+    region: int
+    normal: tuple[float, float, float]
+    offset_m: float
+
+    @property
+    def area_m2(self) -> float:
+        """Its area, measured in its plane."""
+        x, y = self.vertices_m[:, 0], self.vertices_m[:, 1]
+        return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / self.normal[2]
+
+
+@dataclass(frozen=True, slots=True)
+class TerrainRegion:
+    """A planar region of the scan, before the margin.
+
+    Attributes:
+        normal: unit normal, pointing up.
+        offset_m: of the plane.
+        area_m2: of its cells, measured in the plane.
+        kept_m2: area of its polygons.
+        polygons: indices of its polygons.
+        max_error_m: largest distance of the ground from the plane, of means over 3 x 3 cells.
+    """
+
+    normal: tuple[float, float, float]
+    offset_m: float
+    area_m2: float
+    kept_m2: float
+    polygons: tuple[int, ...]
+    max_error_m: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Terrain:
+    """What a scan was turned into.
+
+    Attributes:
+        polygons: largest region first.
+        regions: those that polygons come from.
+        narrow: raised things that are too narrow for a region.
+        area_m2: of all polygons, in their planes.
+        kept_share: area of the polygons over the area that the margin leaves of the regions, both seen from above.
+        ground_share: area of the regions over the area with data.
+        max_plane_error_m: largest distance of the ground below polygons from their planes, of means over 3 x 3 cells.
+        max_cell_error_m: the same of single measured cells: noise included.
+        pieces_per_region: polygons per region.
+        noise_m: estimated noise of the heights.
+        time_s: how long it took, without reading.
+        warnings: what a user should know, a sentence each.
+        classes: (rows, columns) of CellClass; None for polygons that come from no scan.
+    """
+
+    polygons: tuple[TerrainPolygon, ...]
+    regions: tuple[TerrainRegion, ...]
+    narrow: tuple[NarrowThing, ...]
+    area_m2: float
+    kept_share: float
+    ground_share: float
+    max_plane_error_m: float
+    max_cell_error_m: float
+    pieces_per_region: float
+    noise_m: float
+    time_s: float
+    warnings: tuple[str, ...]
+    classes: NDArray[np.uint8] | None = None
+
+
+def segment_terrain(elevation: ElevationMap, options: SegmentOptions | None = None) -> Terrain:
+    """Return the steppable polygons of an elevation map.
+
+    Args:
+        elevation: the heights.
+        options: limits; None means the defaults.
+
+    Returns:
+        The polygons, with measures of what was kept and how well they fit.
+    """
+    from surefoot.world.segmentation import segment
+
+    options = options or SegmentOptions()
+    begin = time.perf_counter()
+    found = segment(elevation, options)
+    builder = _Builder(elevation, options, found)
+    builder.add_regions()
+    return builder.terrain(begin)
+
+
+def terrain_of_regions(regions: tuple[PlanarRegion, ...], options: SegmentOptions | None = None) -> Terrain:
+    """Return the steppable polygons of planar regions that another program has segmented.
+
+    Regions steeper than the limit are left out and reported; the margin is taken off, the rest split into convex pieces.
+    """
+    from surefoot.world.given_regions import terrain_of
+
+    return terrain_of(regions, options or SegmentOptions())
+
+
+class _Builder:
+    """Collects polygons of regions; it lives within one call of ``segment_terrain``."""
+
+    def __init__(self, elevation: ElevationMap, options: SegmentOptions, found: Segmentation) -> None:
+        self.elevation, self.options, self.found = elevation, options, found
+        self.polygons: list[TerrainPolygon] = []
+        self.regions: list[TerrainRegion] = []
+        self.taken = np.zeros(found.labels.shape, np.bool_)
+        self.classes = found.classes.copy()
+        self.plain_m2 = 0.0
+        self.flat_m2 = 0.0
+        self.small = 0
+        self.small_m2 = 0.0
+        self.error_m = 0.0
+        self.cell_error_m = 0.0
+
+    def add_regions(self) -> None:
+        """Add the polygons of every region, largest region first."""
+        from scipy import ndimage
+
+        labels = self.found.labels
+        places = ndimage.find_objects(labels)
+        sizes = np.bincount(labels.ravel(), minlength=len(places) + 1)
+        for label in np.argsort(-sizes[1:], kind="stable") + 1:
+            if sizes[label] and places[label - 1] is not None:
+                self._add_region(int(label), places[label - 1], int(sizes[label]))
+
+    def _add_region(self, label: int, place: tuple[slice, slice], size: int) -> None:
+        import shapely
+
+        from surefoot.world.convex_pieces import area_of, convex_pieces
+        from surefoot.world.outlines import inset_outline
+
+        cell_m = self.elevation.resolution_m
+        mask = self.found.labels[place] == label
+        inset, plain_cells = inset_outline(mask, self.options.margin_m / cell_m)
+        normal, offset_m = self._plane(label)
+        rise = normal[2]
+        least_m2 = self.options.min_area_m2 * rise
+        parts = [part for part in shapely.get_parts(self._placed(inset, place)) if part.area > 0]
+        pieces = [piece for part in parts for piece in convex_pieces(part, 0.0)]
+        kept = [piece for piece in pieces if area_of(piece) >= least_m2]
+        lost_m2 = sum(area_of(piece) for piece in pieces if area_of(piece) < least_m2)
+        self.plain_m2 += plain_cells * cell_m**2
+        self.small += len(pieces) - len(kept)
+        self.small_m2 += lost_m2
+        if not kept:
+            self.classes[place][mask] = CellClass.SMALL
+            return
+        number, first = len(self.regions), len(self.polygons)
+        self.polygons += [_lifted(piece, normal, offset_m, self.options.friction, number) for piece in kept]
+        self.taken[place] |= mask
+        flat_m2 = sum(area_of(piece) for piece in kept)
+        self.flat_m2 += flat_m2
+        error_m = self._measure(mask, place, label)
+        indices = tuple(range(first, len(self.polygons)))
+        self.regions.append(
+            TerrainRegion(normal, offset_m, size * cell_m**2 / rise, flat_m2 / rise, indices, error_m)
+        )
+
+    def _measure(self, mask: NDArray[np.bool_], place: tuple[slice, slice], label: int) -> float:
+        """Return the largest distance of the ground from the plane, and remember the largest of all regions."""
+        misses = np.abs(self.found.misses_m[place][mask])
+        error_m = float(np.nanmax(misses)) if np.isfinite(misses).any() else 0.0
+        rows, columns = np.nonzero(mask)
+        a, b, d = self.found.planes[label]
+        plane = a + b * (columns + place[1].start) + d * (rows + place[0].start)
+        apart = np.abs(self.elevation.height_m[place][mask] - plane)
+        self.error_m = max(self.error_m, error_m)
+        self.cell_error_m = max(self.cell_error_m, float(np.nanmax(apart)) if np.isfinite(apart).any() else 0.0)
+        return error_m
+
+    def _plane(self, label: int) -> tuple[tuple[float, float, float], float]:
+        """Return unit normal and offset of a region's plane in the world."""
+        a, b, d = self.found.planes[label]
+        cell_m = self.elevation.resolution_m
+        slope = np.array([b / cell_m, -d / cell_m])
+        x, y = self.elevation.place_m(np.zeros(1), np.zeros(1))[0]
+        level = a - slope[0] * x - slope[1] * y
+        scale = 1 / math.sqrt(1 + float(slope @ slope))
+        return (-float(slope[0]) * scale, -float(slope[1]) * scale, scale), float(level) * scale
+
+    def _placed(self, shape: Any, place: tuple[slice, slice]) -> Any:
+        """Return a shape in (column, row) coordinates of a place of the map in world coordinates, seen from above."""
+        import shapely
+
+        def moved(points: Floats) -> Floats:
+            return self.elevation.place_m(points[:, 0] + place[1].start, points[:, 1] + place[0].start)
+
+        return shapely.transform(shape, moved)
+
+    def terrain(self, begin: float) -> Terrain:
+        """Return what was collected."""
+        from surefoot.world.narrow_things import find_narrow_things
+
+        options, cell_m = self.options, self.elevation.resolution_m
+        widest_m = 2 * options.margin_m + 2 * cell_m
+        narrow, covered = find_narrow_things(self.elevation, self.taken, self.found.noise_m, widest_m)
+        self.classes[covered] = CellClass.NARROW
+        if options.keep_narrow:
+            self.polygons += [strip for thing in narrow if (strip := _strip(thing, options)) is not None]
+        known = int(self.elevation.known.sum())
+        ground = int((self.taken & self.elevation.known).sum())
+        self.classes.setflags(write=False)
+        return Terrain(
+            polygons=tuple(self.polygons),
+            regions=tuple(self.regions),
+            narrow=narrow,
+            area_m2=sum(polygon.area_m2 for polygon in self.polygons),
+            kept_share=self.flat_m2 / self.plain_m2 if self.plain_m2 else 0.0,
+            ground_share=ground / known,
+            max_plane_error_m=self.error_m,
+            max_cell_error_m=self.cell_error_m,
+            pieces_per_region=sum(len(region.polygons) for region in self.regions) / max(len(self.regions), 1),
+            noise_m=self.found.noise_m,
+            time_s=time.perf_counter() - begin,
+            warnings=(*self.elevation.notes, *self._warnings(narrow)),
+            classes=self.classes,
+        )
+
+    def _warnings(self, narrow: tuple[NarrowThing, ...]) -> list[str]:
+        options, cell_m, found = self.options, self.elevation.resolution_m, self.found
+        said = []
+        if not self.polygons:
+            said.append("no ground is large, even and flat enough to stand on")
+        if narrow:
+            longest = narrow[0]
+            what = "kept as strips 1 cm wide" if options.keep_narrow else "no polygons; --keep-narrow makes them so"
+            said.append(
+                f"{len(narrow)} narrow raised things, up to {longest.length_m:.2f} m long and {longest.width_m:.3f} m "
+                f"wide, are narrower than foot margins and two cells: {what}"
+            )
+        if cell_m > 0.03:
+            said.append(f"cells of {cell_m:g} m show nothing narrower than that: 3 cm bars would be lost")
+        if self.small:
+            said.append(f"{self.small} pieces below {options.min_area_m2:g} m2 were left out, {self.small_m2:.3g} m2")
+        if found.bridged.any():
+            said.append(f"{int(found.bridged.sum())} cells without data inside regions were taken for dropouts")
+        if found.noise_m > 0.015:
+            said.append(f"the ground is rough or noisy: {found.noise_m * 1000:.0f} mm; edges are uncertain")
+        if options.margin_m < 0.5 * cell_m:
+            said.append(f"the margin of {options.margin_m:g} m is below half a cell: edges are known to half a cell only")
+        return said
+
+
+def _lifted(
+    piece: Floats, normal: tuple[float, float, float], offset_m: float, friction: float, region: int
+) -> TerrainPolygon:
+    """Return a polygon on a plane, from its outline seen from above."""
+    z = (offset_m - normal[0] * piece[:, 0] - normal[1] * piece[:, 1]) / normal[2]
+    vertices = np.column_stack((piece, z))
+    vertices.setflags(write=False)
+    return TerrainPolygon(vertices, friction, region, normal, offset_m)
+
+
+def _strip(thing: NarrowThing, options: SegmentOptions) -> TerrainPolygon | None:
+    """Return a strip 1 cm wide along the centre line of a narrow thing, the margin taken off its ends."""
+    start, end = np.array(thing.start_m), np.array(thing.end_m)
+    along = end - start
+    run_m = float(np.hypot(along[0], along[1]))
+    back = (options.margin_m - 0.5 * thing.width_m if options.margin_m > 0 else 0.0) / max(run_m, 1e-9)
+    back = min(max(back, 0.0), 0.4)
+    if run_m < 0.02 or abs(along[2]) > math.tan(math.radians(options.max_slope_deg)) * run_m:
+        return None
+    start, end = start + back * along, end - back * along
+    side = 0.005 * np.array([-along[1], along[0]]) / run_m
+    outline = np.array([start[:2] - side, end[:2] - side, end[:2] + side, start[:2] + side])
+    rise = along[2] / run_m**2
+    gradient = rise * along[:2]
+    scale = 1 / math.sqrt(1 + float(gradient @ gradient))
+    normal = (-float(gradient[0]) * scale, -float(gradient[1]) * scale, scale)
+    offset_m = float(np.dot(normal, start))
+    return _lifted(outline, normal, offset_m, options.friction, -1)
+
+
+def check_not_empty(terrain: Terrain, source: object) -> None:
+    """Raise InputError when a terrain holds nothing to stand on."""
+    if not terrain.polygons:
+        raise InputError(f"{source}: no ground is large, even and flat enough to stand on")
