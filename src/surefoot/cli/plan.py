@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 def plan(
     scenario: Annotated[Path, typer.Argument(help="The scenario, a YAML file.", show_default=False)],
     output: Annotated[Path, typer.Option("-o", "--output", help="The folder for the plan.")] = Path("plan"),
+    time_limit_s: Annotated[
+        float | None, typer.Option("--time-limit", min=0, help="Give up building and solving after so many seconds.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Plan a scenario: build its two games, solve them, verify the strategies, save them.
@@ -27,14 +30,15 @@ def plan(
     Examples:
       surefoot plan my.yaml
       surefoot plan my.yaml -o plan/ --json
+      surefoot plan my.yaml --time-limit 60
 
     Exit code 0: realizable and verified; 1: not realizable; 2: the scenario or
-    the map cannot be used.
+    the map cannot be used; 3: the time limit was reached.
     """
     from surefoot.missions.planning import plan_mission
 
     with progress() as say:
-        planned = plan_mission(scenario, output, say)
+        planned = plan_mission(scenario, output, say, time_limit_s)
     yes = planned.realizable and planned.verified
     answer(planned, plan_lines(planned), yes=yes, as_json=as_json)
 

@@ -104,14 +104,15 @@ def initial_winning_set(
     v, length = step.apex_velocity_mps, step.step_length_m
     foot = step.dy2_m * math.sin(abs(step.heading_change_rad))
     along = v * math.cos(step.heading_change_rad)
+    ratio = math.cos(step.heading_change_rad) ** 2  # sigma is measured in the scale of the keyframe, not of its projection
     first_omega = math.sqrt(GRAVITY_MPS2 / step.apex_height_m)
     second_omega = math.sqrt(GRAVITY_MPS2 / (step.apex_height_m - step.height_change_m))
     target = margin_set(cells, length, v, length, second_omega, final)
     second = _won(cells, length, target, np.ones(cells.shape, np.bool_), settings)
-    guard = second & tube(cells, 0.0, along, foot, first_omega, final.sigma)
+    guard = second & tube(cells, 0.0, along, foot, first_omega, final.sigma * ratio)
     source = above_asymptotes(cells, foot, settings.omegas.values_radps[0])
     first = _won(cells, foot, guard, source, settings)
-    start = margin_set(cells, 0.0, along, foot, first_omega, initial)
+    start = margin_set(cells, 0.0, along, foot, first_omega, Margins(initial.sigma * ratio, initial.zeta))
     return InitialWinningSet(step, cells, start, target, second, first)
 
 

@@ -228,7 +228,8 @@ def claim_edges(
         open_: cells that may be given.
         tolerance: largest distance from the plane.
         rounds: how many cells deep.
-        neighbours: with 1, a side neighbour in the region is enough; else so many of the 8 have to be in it.
+        neighbours: with 1, a side neighbour in the region is enough; else so many of the 8 have to be in it (one more
+            for a cell without a height).
     """
     rows, columns = z.shape
     old = labels.copy()
@@ -250,7 +251,8 @@ def claim_edges(
                             miss = abs(z[r, c] - planes[label, 0] - planes[label, 1] * c - planes[label, 2] * r)
                         elif neighbours == 1:
                             continue
-                        if miss > best or (neighbours > 1 and _alike(old, r, c, label) < neighbours):
+                        needed = neighbours + (1 if np.isnan(z[r, c]) else 0)
+                        if miss > best or (neighbours > 1 and _alike(old, r, c, label) < needed):
                             continue
                         best, choice = miss, label
                 if choice > 0:
