@@ -95,14 +95,14 @@ class RunAnswer:
 
 
 def run_mission(
-    scenario_path: Path,
-    plan_dir: Path,
+    scenario_path: Path | str,
+    plan_dir: Path | str,
     *,
     steps: int,
     seed: int,
     obstacle: str,
-    out: Path,
-    script: Path | None = None,
+    out: Path | str,
+    script: Path | str | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> RunAnswer:
     """Walk a plan for a number of steps and have the log verified.
@@ -120,9 +120,10 @@ def run_mission(
     Raises:
         InputError: if an input cannot be used, for instance a plan made for another scenario.
     """
+    scenario_path, plan_dir, out = Path(scenario_path), Path(plan_dir), Path(out)
     scene = read_biped_scene(scenario_path)
     plan = read_plan(plan_dir, scene)
-    policy = _policy(obstacle, scene, seed, script)
+    policy = _policy(obstacle, scene, seed, None if script is None else Path(script))
     progress("preparing the keyframe decision maker (the first run ever compiles it)")
     _warm_up(scene)
     with RunWriter(out) as writer:

@@ -27,7 +27,6 @@ from surefoot.world import (
     read_occupancy_map,
 )
 
-
 MOST_CELLS_FOR_EXACT_BELIEF = 40
 """Beyond, the sets in which an obstacle may hide are too many to tell apart, unless the scenario asks for it."""
 

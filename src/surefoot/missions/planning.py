@@ -55,7 +55,7 @@ class PlanAnswer:
 
 
 def plan_mission(
-    scenario_path: Path, out: Path, progress: Progress = lambda _: None, time_limit_s: float | None = None
+    scenario_path: Path | str, out: Path | str, progress: Progress = lambda _: None, time_limit_s: float | None = None
 ) -> PlanAnswer:
     """Build both games of a scenario, solve them, verify the strategies and save them.
 
@@ -71,6 +71,7 @@ def plan_mission(
         CertificateRejected: if a checker refuses the plan; a bug of ours.
     """
     begin = time.perf_counter()
+    scenario_path, out = Path(scenario_path), Path(out)
     deadline = Deadline.after(time_limit_s)
     _check_folder(out)
     progress("reading the scenario and its map")

@@ -8,7 +8,7 @@ from surefoot.errors import InputError
 from surefoot.verify.findings import Ledger, Report
 
 
-def verify_path(path: Path, specification: Path | None = None) -> Report:
+def verify_path(path: Path | str, specification: Path | None = None) -> Report:
     """Check a saved plan, run or strategy with code that shares nothing with what made it.
 
     Args:
@@ -22,8 +22,15 @@ def verify_path(path: Path, specification: Path | None = None) -> Report:
         InputError: files are missing, truncated, stale or of another format.
         LimitExceeded: the artefact is too large to be checked completely.
     """
+    path = Path(path)
     folder = path if path.is_dir() else path.parent
     ledger = Ledger()
+    foothold_plan = _foothold_plan(path)
+    if foothold_plan is not None:
+        from surefoot.verify.footholds import check_footholds
+
+        check_footholds(foothold_plan, ledger)
+        return ledger.report("foothold-plan")
     if _kind(path) == "gr1-strategy":
         from surefoot.verify.gr1_check import check_strategy
 
@@ -58,3 +65,14 @@ def _kind(path: Path) -> str | None:
     value = parse_json(read_bytes(path), path)
     kind = value.get("kind") if isinstance(value, dict) else None
     return kind if isinstance(kind, str) else None
+
+
+def _foothold_plan(path: Path) -> Path | None:
+    """Return the file of a foothold plan, which may be called plan.json like a biped's; None for everything else."""
+    file = path / "plan.json" if path.is_dir() else path
+    try:
+        with file.open("rb") as stream:
+            found = b'"foothold-plan"' in stream.read(200)
+    except OSError:
+        return None
+    return file if found else None

@@ -56,14 +56,13 @@ def clean_outline(face: Any) -> Floats:
     points = shapely.get_coordinates(shapely.orient_polygons(hull))[:-1]
     size = float(np.ptp(points, axis=0).max())
     while len(points) > 3:
-        before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
-        turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        base = np.hypot(*(np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)).T)
-        height = turn / np.maximum(base, _EPS)
+        ahead, back = np.concatenate((points[1:], points[:1])), np.concatenate((points[-1:], points[:-1]))
+        turn = _cross(points - back, ahead - points)
+        height = turn / np.maximum(np.hypot(*(ahead - back).T), _EPS)
         worst = int(np.argmin(height))
         if height[worst] > 1e-5 * size:
             break
-        points = np.delete(points, worst, axis=0)
+        points = np.concatenate((points[:worst], points[worst + 1 :]))
     return points
 
 

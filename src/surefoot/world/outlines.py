@@ -7,6 +7,8 @@ within half a cell of the plain answer.
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,22 +17,26 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Line = tuple[float, float, float, float]
 
 SIMPLIFY_CELLS = (1.0, 0.6)
 UNSURE_CELLS = 0.5
 """A scan knows an edge to half a cell."""
 FEW = 6
+import os
+TIP=float(os.environ.get('TIP','1.0'))
 SURE_POINTS = 10
 THIN = 0.35
 """A region of which the margin leaves less is thin: between other things whose corners may reach into it unseen."""
 
 
-def inset_outline(mask: Flags, margin_cells: float) -> tuple[Any, float]:
+def inset_outline(mask: Flags, margin_cells: float, least_cells: float = 0.0) -> tuple[Any, float]:
     """Return the part of a region that keeps a margin from its edge.
 
     Args:
         mask: (rows, columns), the cells of one region.
         margin_cells: the margin, in cells.
+        least_cells: what is smaller than this is not worth the work.
 
     Returns:
         A polygon or multipolygon in (column, row) coordinates, whole numbers at the centres of cells, perhaps empty; and
@@ -39,41 +45,46 @@ def inset_outline(mask: Flags, margin_cells: float) -> tuple[Any, float]:
     rings = contour_rings(mask)
     contour = _region(rings)
     plain = _shrunk(contour, margin_cells)
+    if plain.area < least_cells:
+        return shapely.Polygon(), float(plain.area)
     inward, apart = max(margin_cells - UNSURE_CELLS / 2, min(margin_cells, UNSURE_CELLS)), UNSURE_CELLS
     if plain.area < THIN * contour.area:
         inward, apart = margin_cells, 2 * UNSURE_CELLS
-    outside = _beside(mask)
+    outside, tips = _beside(mask)
     for tolerance in SIMPLIFY_CELLS:
         inset = _shrunk(_region([straightened(ring, tolerance) for ring in rings]), inward)
-        near = _too_near(inset, outside, min(inward, apart))
-        if 0 < len(near) <= FEW:
-            x, y, reach = near[:, 0], near[:, 1], inward + UNSURE_CELLS
-            inset = shapely.difference(inset, shapely.union_all(shapely.box(x - reach, y - reach, x + reach, y + reach)))
-        if len(near) <= FEW and inset.area > 0.9 * plain.area:
+        near = _too_near(inset, outside, min(inward, apart)) | (tips & _too_near(inset, outside, TIP))
+        if 0 < near.sum() <= FEW:
+            inset = _without(inset, outside[near], inward + UNSURE_CELLS)
+        if near.sum() <= FEW and inset.area > 0.9 * plain.area:
             return _polygons(inset), float(plain.area)
     return _shrunk(contour, inward), float(plain.area)
 
 
-def _beside(mask: Flags) -> Floats:
-    """Return the centres of the cells that touch a region from outside."""
+def _beside(mask: Flags) -> tuple[Floats, Flags]:
+    """Return the centres of the cells that touch a region from outside, and which of them are tips.
+
+    A tip has most of its neighbours in the region: what it belongs to may reach up to a cell farther than it shows.
+    """
     from scipy import ndimage
 
-    framed = np.pad(mask, 1)
-    rows, columns = np.nonzero(ndimage.binary_dilation(framed, np.ones((3, 3), np.bool_)) & ~framed)
-    sides = np.column_stack((columns, rows)).astype(np.float64) - 1.0
-    rows, columns = mask.shape
-    edge = [(-1.0, y) for y in range(rows)] + [(float(columns), y) for y in range(rows)]
-    edge += [(x, -1.0) for x in range(columns)] + [(x, float(rows)) for x in range(columns)]
-    return np.vstack((sides, np.array(edge)))
+    framed = np.pad(mask, 2)
+    count = ndimage.convolve(framed.astype(np.int8), np.ones((3, 3), np.int8), mode="constant")
+    rows, columns = np.nonzero((count > 0) & ~framed)
+    return np.column_stack((columns, rows)).astype(np.float64) - 2.0, count[rows, columns] >= 5
 
 
-def _too_near(shape: Any, points: Floats, distance: float) -> Floats:
-    """Return the points that are nearer to a shape than a distance."""
-    if shape.is_empty:
-        return points[:0]
+def _too_near(shape: Any, points: Floats, distance: float) -> Flags:
+    """Return which points are nearer to a shape than a distance."""
     shapely.prepare(shape)
-    found: Floats = points[shapely.dwithin(shape, shapely.points(points), distance - 1e-6)]
+    found: Flags = shapely.dwithin(shape, shapely.points(points), distance - 1e-6)
     return found
+
+
+def _without(shape: Any, points: Floats, reach: float) -> Any:
+    """Return a shape without the squares around some points."""
+    x, y = points.T
+    return shapely.difference(shape, shapely.union_all(shapely.box(x - reach, y - reach, x + reach, y + reach)))
 
 
 def _shrunk(shape: Any, cells: float) -> Any:
@@ -98,57 +109,62 @@ def straightened(ring: Floats, tolerance: float) -> Floats:
         tolerance: of the simplification, in cells.
     """
     start = int(np.argmax(((ring - ring.mean(axis=0)) ** 2).sum(axis=1)))
-    points = np.roll(ring, -start, axis=0)
+    points = np.vstack((ring[start:], ring[: start + 1]))
     corners = _corners(points, tolerance)
-    if len(corners) < 3:
+    if len(corners) < 4:
         return ring
-    lines = [_line(points, a, b) for a, b in zip(corners, np.roll(corners, -1), strict=True)]
+    lines = [_line(points[a : b + 1]) for a, b in pairwise(corners)]
     out = []
-    for k, corner in enumerate(corners):
-        out.extend(_meeting(lines[k - 1], lines[k], points[corner]))
+    for k in range(len(lines)):
+        out.extend(_meeting(lines[k - 1], lines[k], points[corners[k]]))
     return np.array(out) if len(out) >= 3 else ring
 
 
-def _corners(points: Floats, tolerance: float) -> NDArray[np.intp]:
-    """Return the indices of the points that a simplification keeps."""
-    closed = np.vstack((points, points[:1]))
-    kept = shapely.get_coordinates(shapely.simplify(shapely.linestrings(closed), tolerance))[:-1]
-    index = {(x, y): k for k, (x, y) in enumerate(points.tolist())}
-    return np.array([index[x, y] for x, y in kept.tolist()], np.intp)
+def _corners(closed: Floats, tolerance: float) -> list[int]:
+    """Return the indices of the points of a closed ring that a simplification keeps, first and last included."""
+    kept = shapely.get_coordinates(shapely.simplify(shapely.linestrings(closed), tolerance))
+    index = {(x, y): k for k, (x, y) in enumerate(closed[:-1].tolist())}
+    return [index[x, y] for x, y in kept[:-1].tolist()] + [len(closed) - 1]
 
 
-def _line(points: Floats, a: int, b: int) -> tuple[Floats, Floats]:
-    """Return a point and the unit direction of the line through the points from a to b."""
-    stop = b if b > a else b + len(points)
-    chosen = points[np.arange(a, stop + 1) % len(points)]
-    if len(chosen) > 5:
-        chosen = chosen[1:-1]
-    middle = chosen.mean(axis=0)
-    along = points[b] - points[a]
-    if len(chosen) > 3:
-        _, _, axes = np.linalg.svd(chosen - middle, full_matrices=False)
-        along = axes[0] if axes[0] @ along > 0 else -axes[0]
+def _line(points: Floats) -> Line:
+    """Return a point (x, y) and the unit direction of the line through some points in order."""
+    first, last = points[0], points[-1]
+    chosen = points[1:-1] if len(points) > 5 else points
+    count = len(chosen)
+    if count > 3:
+        x, y = chosen.sum(axis=0) / count
+        dx, dy = (chosen - (x, y)).T
+        angle = 0.5 * math.atan2(2 * float(dx @ dy), float(dx @ dx - dy @ dy))
+        ux, uy = math.cos(angle), math.sin(angle)
+        if ux * (last[0] - first[0]) + uy * (last[1] - first[1]) < 0:
+            ux, uy = -ux, -uy
     else:
-        middle = (points[a] + points[b]) / 2
-    along = along / np.linalg.norm(along)
-    inward = np.array([-along[1], along[0]])
-    depth = (chosen - middle) @ inward
-    shift = float(depth.max()) if len(chosen) < SURE_POINTS else float(np.quantile(depth, 0.9)) - UNSURE_CELLS
-    middle = middle + max(shift, 0.0) * inward
-    return middle, along
+        (x, y), (ux, uy) = (first + last) / 2, last - first
+        length = math.hypot(ux, uy)
+        ux, uy = ux / length, uy / length
+    depth = (chosen[:, 1] - y) * ux - (chosen[:, 0] - x) * uy
+    if count < SURE_POINTS:
+        shift = float(depth.max())
+    else:
+        shift = float(np.partition(depth, int(0.9 * count))[int(0.9 * count)]) - UNSURE_CELLS
+    shift = max(shift, 0.0)
+    return float(x - shift * uy), float(y + shift * ux), float(ux), float(uy)
 
 
-def _meeting(before: tuple[Floats, Floats], after: tuple[Floats, Floats], corner: Floats) -> list[Floats]:
+def _meeting(before: Line, after: Line, corner: Floats) -> list[tuple[float, float]]:
     """Return where two fitted edges meet; where they are almost parallel, the corner moved onto each of them."""
-    (p, u), (q, v) = before, after
-    cross = float(u[0] * v[1] - u[1] * v[0])
+    (px, py, ux, uy), (qx, qy, vx, vy) = before, after
+    cx, cy = float(corner[0]), float(corner[1])
+    cross = ux * vy - uy * vx
     if abs(cross) > 0.2:
-        t = float((q - p)[0] * v[1] - (q - p)[1] * v[0]) / cross
-        meeting = p + t * u
-        if float(np.hypot(*(meeting - corner))) <= 2.0:
-            return [meeting]
-    first, second = p + ((corner - p) @ u) * u, q + ((corner - q) @ v) * v
-    return [(first + second) / 2] if float(np.hypot(*(first - second))) < 0.6 else [first, second]
+        t = ((qx - px) * vy - (qy - py) * vx) / cross
+        x, y = px + t * ux, py + t * uy
+        if math.hypot(x - cx, y - cy) <= 2.0:
+            return [(x, y)]
+    s, t = (cx - px) * ux + (cy - py) * uy, (cx - qx) * vx + (cy - qy) * vy
+    a, b = (px + s * ux, py + s * uy), (qx + t * vx, qy + t * vy)
+    return [((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)] if math.dist(a, b) < 0.6 else [a, b]
 
 
 def _region(rings: list[Floats]) -> Any:

@@ -168,10 +168,10 @@ class _Builder:
 
         cell_m = self.elevation.resolution_m
         mask = self.found.labels[place] == label
-        inset, plain_cells = inset_outline(mask, self.options.margin_m / cell_m)
         normal, offset_m = self._plane(label)
         rise = normal[2]
         least_m2 = self.options.min_area_m2 * rise
+        inset, plain_cells = inset_outline(mask, self.options.margin_m / cell_m, least_m2 / cell_m**2)
         parts = [part for part in shapely.get_parts(self._placed(inset, place)) if part.area > 0]
         pieces = [piece for part in parts for piece in convex_pieces(part, 0.0)]
         kept = [piece for piece in pieces if area_of(piece) >= least_m2]
@@ -179,6 +179,8 @@ class _Builder:
         self.plain_m2 += plain_cells * cell_m**2
         self.small += len(pieces) - len(kept)
         self.small_m2 += lost_m2
+        if inset.is_empty and plain_cells > 0:
+            self.small, self.small_m2 = self.small + 1, self.small_m2 + plain_cells * cell_m**2
         if not kept:
             self.classes[place][mask] = CellClass.SMALL
             return

@@ -1,0 +1,110 @@
+"""Checks a foothold plan: every row of the whole model, the objective, and the bound, from the numbers alone."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from surefoot.verify.findings import Ledger
+from surefoot.verify.footholds_file import FootholdFile, read_foothold_plan
+from surefoot.verify.footholds_proof import proved_bound
+from surefoot.verify.footholds_reach import left_to_steps
+from surefoot.verify.footholds_rows import cost, violations
+
+RESIDUAL_MAX = 1e-6
+_CLOSE = 1e-6
+
+
+def check_footholds(path: Path, ledger: Ledger) -> None:
+    """Check a plan file and note what is wrong with it.
+
+    Raises:
+        InputError: the file, or the problem file that it names, cannot be read or has changed.
+    """
+    plan = read_foothold_plan(path)
+    verdict = plan.answer.get("verdict")
+    ledger.counts.update(verdict=verdict, samples=len(plan.contacts), footsteps=len(plan.steps))
+    if verdict == "feasible":
+        _check_motion(plan, ledger)
+        _check_bound(plan, ledger)
+    elif verdict == "infeasible":
+        _check_refutation(plan, ledger)
+    else:
+        ledger.refuse("footholds, verdict", "claims nothing that could be checked", "answer.verdict")
+
+
+def _check_motion(plan: FootholdFile, ledger: Ledger) -> None:
+    if not plan.arrays:
+        ledger.refuse("footholds, motion", "a feasible verdict needs a motion", "motion")
+        return
+    worst = violations(plan)
+    for family, amount in worst.items():
+        if not amount <= RESIDUAL_MAX:
+            ledger.refuse(f"footholds, {family}", f"is violated by {amount:.3g}", "motion")
+    objective = cost(plan)
+    ledger.counts.update(max_residual=max(worst.values()), objective=objective)
+    claimed = plan.answer.get("objective")
+    if not _near(claimed, objective):
+        ledger.refuse("footholds, objective", f"is {objective:.9g}, not {claimed}", "answer.objective")
+
+
+def _near(claimed: object, found: float) -> bool:
+    return isinstance(claimed, int | float) and math.isclose(claimed, found, rel_tol=_CLOSE, abs_tol=_CLOSE)
+
+
+def _check_bound(plan: FootholdFile, ledger: Ledger) -> None:
+    claimed = plan.answer.get("bound")
+    if claimed is None or not plan.arrays:
+        return
+    bound, problem = _proved(plan)
+    ledger.counts.update(bound=bound if np.isfinite(bound) else None)
+    if problem:
+        ledger.refuse("footholds, proof", problem, "proof")
+    elif not float(claimed) <= bound + _CLOSE * abs(bound):
+        ledger.refuse("footholds, bound", f"the proof gives {bound:.9g}, not {claimed}", "answer.bound")
+    objective = cost(plan)
+    gap = (objective - float(claimed)) / objective
+    if not math.isclose(float(plan.answer.get("gap", math.nan)), gap, abs_tol=_CLOSE):
+        ledger.refuse("footholds, gap", f"is {gap:.3g}", "answer.gap")
+
+
+def _proved(plan: FootholdFile) -> tuple[float, str]:
+    try:
+        return proved_bound(plan)
+    except (KeyError, TypeError, ValueError, IndexError, RuntimeError) as problem:
+        return -np.inf, f"cannot be evaluated ({type(problem).__name__}: {str(problem)[:80]})"
+
+
+def _check_refutation(plan: FootholdFile, ledger: Ledger) -> None:
+    if left_to_steps(plan) is None:
+        ledger.counts.update(refuted_by="intervals")
+        return
+    bound, problem = _proved(plan)
+    limit = impossible(plan)
+    ledger.counts.update(refuted_by="multipliers", bound=bound if np.isfinite(bound) else None)
+    if problem:
+        ledger.refuse("footholds, refutation", problem, "proof")
+    elif bound < limit:
+        ledger.refuse("footholds, refutation", f"the proof bounds the cost by {bound:.3g} only, below {limit:.3g}", "proof")
+
+
+def impossible(plan: FootholdFile) -> float:
+    """Return a cost that no motion of the problem reaches (docs/footholds.md)."""
+    from surefoot.verify.footholds_rows import jacobians
+
+    values, robot = plan.values, plan.values["robot"]
+    w = {name: float(x) for name, x in values["weights"].items()}
+    g, dt, size, mass = plan.number("gravity_mps2"), plan.number("step_s"), len(plan.contacts), float(robot["mass_kg"])
+    places = [corner for one in values["polygons"] for corner in one["vertices_m"]]
+    places += [*values["start"]["feet_m"], values["start"]["position_m"], values["goal"]["position_m"]]
+    corners = np.array(places, dtype=float)
+    arm = float(np.linalg.norm(robot["foot_reference_m"]) + np.linalg.norm(robot["foot_reach_m"]))
+    span = float(np.linalg.norm(np.ptp(corners, axis=0))) + 4 * arm + g * (size * dt) ** 2
+    rate = 4 * span / dt**2
+    push = max(float(np.linalg.norm(np.linalg.inv(j), 2)) for j in jacobians(plan)) * float(
+        np.linalg.norm(robot["torque_max_nm"])
+    )
+    squares = (w["position"] + 4 * w["foot"]) * span**2 + (w["acceleration"] + 4 * w["foot_acceleration"]) * rate**2
+    return 10 * size * (squares + w["force"] * ((mass * (rate + g)) ** 2 + 4 * push**2))

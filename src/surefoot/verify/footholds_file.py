@@ -1,0 +1,185 @@
+"""Reads foothold plans, from docs/formats.md; nothing in the file is trusted."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from surefoot.errors import InputError
+from surefoot.verify.artefacts import check_kind, checked_file, parse_json, read_bytes
+from surefoot.verify.values import Fields
+
+Array = NDArray[np.float64]
+LEGS = ("LF", "RF", "LH", "RH")
+BODY = (
+    "base_m", "base_velocity_mps", "base_acceleration_mps2", "rpy_rad", "rpy_rate_radps", "rpy_acceleration_radps2",
+)  # fmt: skip
+FEET = ("feet_m", "feet_velocity_mps", "feet_acceleration_mps2", "forces_n")
+MOST_SAMPLES = 2000
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A swing of a foot (first swing sample, first stance sample, first sample of the next swing), and its polygon."""
+
+    foot: int
+    lift: int
+    touch: int
+    leave: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FootholdFile:
+    """What a plan file says.
+
+    Attributes:
+        path: of the file.
+        values: the problem with everything filled in.
+        answer: verdict, objective, bound and so on.
+        contacts: which feet are in contact when, derived from the gait, shape (N, 4).
+        steps: derived from the contacts, by foot and then by time.
+        arrays: of the motion; empty without one.
+        polygons: the polygon of every step, as the file says.
+        regions: the free region of every foot and window.
+        proof: as it stands in the file.
+    """
+
+    path: Path
+    values: dict[str, Any]
+    answer: dict[str, Any]
+    contacts: NDArray[np.bool_]
+    steps: tuple[Step, ...]
+    arrays: dict[str, Array]
+    polygons: tuple[int, ...]
+    regions: tuple[int, ...]
+    proof: dict[str, Any] | None
+
+    def number(self, *keys: str) -> float:
+        """Return a number of the values."""
+        here: Any = self.values
+        for key in keys:
+            here = here[key]
+        return float(here)
+
+
+def read_foothold_plan(path: Path) -> FootholdFile:
+    """Read a plan file and the problem file that it was made from.
+
+    Raises:
+        InputError: it is no foothold plan, is not whole, or the problem file has changed.
+    """
+    fields = Fields.of(parse_json(read_bytes(path), path), path)
+    check_kind(fields, "foothold-plan")
+    try:
+        return _read(path, fields)
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as problem:
+        raise InputError(f"is no whole foothold plan ({type(problem).__name__}: {str(problem)[:80]})", source=path) from problem
+
+
+def _read(path: Path, fields: Fields) -> FootholdFile:
+    values = dict(fields.mapping("values").values)
+    answer = dict(fields.mapping("answer").values)
+    contacts = _contacts(values)
+    steps = _steps(contacts)
+    arrays: dict[str, Array] = {}
+    polygons: tuple[int, ...] = ()
+    regions: tuple[int, ...] = ()
+    motion = fields.get("motion")
+    if motion is not None:
+        arrays, polygons, regions = _motion(motion, contacts, steps)
+    proof = fields.get("proof")
+    if fields.get("problem") is not None:
+        _same_problem(checked_file(fields.mapping("problem"), path.parent), values)
+    return FootholdFile(
+        path, values, answer, contacts, steps, arrays, polygons, regions, proof if isinstance(proof, dict) else None
+    )
+
+
+def _contacts(values: dict[str, Any]) -> NDArray[np.bool_]:
+    """Derive the contact table: sample i has the mode whose half-open interval holds i dt; sample 0 is stance."""
+    times, modes, step_s = values["gait"]["switching_times_s"], values["gait"]["modes"], float(values["step_s"])
+    size = round(float(times[-1]) / step_s)
+    if not 4 <= size <= MOST_SAMPLES:
+        raise ValueError(f"{size} samples")
+    table = np.zeros((size, 4), dtype=bool)
+    for i in range(size):
+        current = max(k for k in range(len(modes)) if round(float(times[k]) / step_s) <= i)
+        name = modes[current]
+        table[i] = [i == 0 or name == "STANCE" or leg in name.split("_") for leg in LEGS]
+    return table
+
+
+def _steps(contacts: NDArray[np.bool_]) -> tuple[Step, ...]:
+    found = []
+    size = len(contacts)
+    for foot in range(4):
+        i = 0
+        while i < size:
+            if contacts[i, foot]:
+                i += 1
+                continue
+            end = i
+            while end < size and not contacts[end, foot]:
+                end += 1
+            leave = end
+            while leave < size and contacts[leave, foot]:
+                leave += 1
+            if end < size:
+                found.append(Step(foot, i, end, leave))
+            i = end
+    return tuple(found)
+
+
+def _motion(
+    motion: Any, contacts: NDArray[np.bool_], steps: tuple[Step, ...]
+) -> tuple[dict[str, Array], tuple[int, ...], tuple[int, ...]]:
+    size = len(contacts)
+    arrays = {}
+    for names, shape in ((BODY, (size, 3)), (FEET, (size, 4, 3))):
+        for name in names:
+            array = np.array(motion[name], dtype=float)
+            if array.shape != shape or not np.isfinite(array).all():
+                raise ValueError(f"{name} has to hold {shape} finite numbers")
+            arrays[name] = array
+    said = [(int(s["foot"]), int(s["lift"]), int(s["touch"])) for s in motion["footsteps"]]
+    if said != [(s.foot, s.lift, s.touch) for s in steps]:
+        raise ValueError("the footsteps are not those of the gait")
+    return arrays, tuple(int(s["polygon"]) for s in motion["footsteps"]), tuple(int(s) for s in motion["window_regions"])
+
+
+def _same_problem(path: Path, values: dict[str, Any]) -> None:
+    """Refuse a plan whose values are not those of its problem file."""
+    with path.open("rb") as stream:
+        given = yaml.safe_load(stream)
+    for key in ("step_s", "start", "goal", "free_regions", "weights", "gravity_mps2"):
+        if given.get(key) is not None and not _agrees(given[key], values[key]):
+            raise InputError(f"is not what {path.name} says", source=path, key=key)
+    for said, used in zip(given["polygons"], values["polygons"], strict=True):
+        corners = {tuple(round(float(x), 9) + 0.0 for x in corner) for corner in said["vertices_m"]}
+        if corners != {tuple(round(float(x), 9) + 0.0 for x in corner) for corner in used["vertices_m"]}:
+            raise InputError(f"are not those of {path.name}", source=path, key="polygons")
+        if not _agrees(said.get("friction", 0.6), used["friction"]):
+            raise InputError(f"have another friction than in {path.name}", source=path, key="polygons")
+    limits = {"gap", "time_limit_s"}
+    options = {key: value for key, value in (given.get("options") or {}).items() if key not in limits}
+    if not _agrees(options, values["options"]):
+        raise InputError(f"are not those of {path.name}", source=path, key="options")
+
+
+def _agrees(given: Any, used: Any) -> bool:
+    """Return whether what a file gives is what was used; keys that it leaves out may have any value."""
+    if given is None:
+        return True
+    if isinstance(given, dict):
+        return all(value is None or (key in used and _agrees(value, used[key])) for key, value in given.items())
+    if isinstance(given, list):
+        return len(given) == len(used) and all(_agrees(a, b) for a, b in zip(given, used, strict=True))
+    if isinstance(given, bool) or isinstance(used, bool):
+        return given is used
+    return math.isclose(float(given), float(used), rel_tol=1e-12, abs_tol=1e-12)
