@@ -1,8 +1,9 @@
-"""Random GR(1) specifications for Hypothesis, and structural comparison of expressions."""
+"""Random GR(1) specifications, and structural comparison of expressions."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import random
+from typing import Any
 
 from hypothesis import strategies as st
 
@@ -27,82 +28,72 @@ from surefoot.logic.syntax import (
     children,
 )
 
-
-@dataclass(frozen=True)
-class Mentions:
-    """What an expression may mention: (variable, primed)."""
-
-    leaves: tuple[tuple[Variable, bool], ...]
+Leaf = tuple[Variable, bool]
+VARIABLES = (Variable("a"), Variable("n", 0, 2), Variable("b_1"), Variable("m", -1, 3), Variable("c"), Variable("d"))
 
 
-def expressions(mentions: Mentions, *, integers: bool = True) -> st.SearchStrategy[Expression]:
-    """Return expressions in the normal form of the readers: no conjunction directly inside a conjunction."""
-    booleans = [(v, p) for v, p in mentions.leaves if v.is_boolean]
-    numbers = [(v, p) for v, p in mentions.leaves if not v.is_boolean] if integers else []
-    leaves: list[st.SearchStrategy[Expression]] = [st.builds(Constant, st.booleans())]
-    if booleans:
-        leaves.append(st.sampled_from(booleans).map(lambda leaf: Atom(leaf[0].name, leaf[1])))
-    if numbers:
-        leaves.append(comparisons(numbers))
-    return st.recursive(st.one_of(leaves), _above, max_leaves=8)
-
-
-def comparisons(numbers: list[tuple[Variable, bool]]) -> st.SearchStrategy[Expression]:
-    """Return comparisons of sums; those of a variable with a constant stay within its values."""
-    single = st.sampled_from(numbers).map(lambda leaf: Integer(leaf[0].name, leaf[1]))
-    constant = st.integers(-3, 9).map(Number)
-    sums = st.lists(st.one_of(single, constant), min_size=2, max_size=3).map(lambda parts: Sum(tuple(parts)))
-    terms: st.SearchStrategy[Term] = st.one_of(single, sums)
-    general = st.builds(Comparison, st.sampled_from(COMPARISONS), terms, terms)
-    return st.one_of(general, st.sampled_from(numbers).flatmap(_with_constant))
-
-
-def _with_constant(leaf: tuple[Variable, bool]) -> st.SearchStrategy[Expression]:
-    variable, primed = leaf
-    value = st.sampled_from(list(variable.values)).map(Number)
-    return st.builds(Comparison, st.sampled_from(COMPARISONS), st.just(Integer(variable.name, primed)), value)
-
-
-def _above(inner: st.SearchStrategy[Expression]) -> st.SearchStrategy[Expression]:
-    return st.one_of(
-        inner.map(Not),
-        *(_chain(kind, inner) for kind in (And, Or, Xor)),
-        st.builds(Implies, inner, inner),
-        st.builds(Iff, inner, inner),
-    )
-
-
-def _chain(kind: type[And | Or | Xor], inner: st.SearchStrategy[Expression]) -> st.SearchStrategy[Expression]:
-    operands = st.lists(inner.filter(lambda e: not isinstance(e, kind)), min_size=2, max_size=3)
-    return operands.map(lambda parts: kind(tuple(parts)))
-
-
-VARIABLES = (Variable("a"), Variable("n", 0, 2), Variable("b_1"), Variable("m", -1, 3))
-
-
-@st.composite
-def specifications(draw: st.DrawFn, *, integers: bool = True, most_lines: int = 2) -> Specification:
-    """Return a specification of one or two inputs and outputs each, every section filled at random."""
-    pool = [v for v in VARIABLES if integers or v.is_boolean] + [Variable("c"), Variable("d")]
-    names = draw(st.permutations(pool))
-    inputs = tuple(names[: draw(st.integers(0, 2))])
-    outputs = tuple(names[len(inputs) : len(inputs) + draw(st.integers(1, 2))])
-    now = tuple((v, False) for v in inputs + outputs)
-    after_inputs = tuple((v, True) for v in inputs)
-    after = tuple((v, True) for v in inputs + outputs)
+def random_specification(
+    source: random.Random, *, integers: bool = True, most_lines: int = 2, depth: int = 3
+) -> Specification:
+    """Return a specification of at most two inputs and one or two outputs, every section filled at random."""
+    pool = [v for v in VARIABLES if integers or v.is_boolean]
+    source.shuffle(pool)
+    inputs = tuple(pool[: source.randint(0, 2)])
+    outputs = tuple(pool[len(inputs) : len(inputs) + source.randint(1, 2)])
+    now = [(v, False) for v in inputs + outputs]
+    after_inputs = [(v, True) for v in inputs]
+    after = [(v, True) for v in inputs + outputs]
     allowed = {
-        "ENV_INIT": tuple((v, False) for v in inputs),
+        "ENV_INIT": [(v, False) for v in inputs],
         "SYS_INIT": now,
         "ENV_TRANS": now + after_inputs,
         "SYS_TRANS": now + after,
         "ENV_LIVENESS": now + after,
         "SYS_LIVENESS": now + after,
     }
-    sections = {}
+    sections: dict[str, Any] = {}
     for name, leaves in allowed.items():
-        drawn = draw(st.lists(expressions(Mentions(leaves), integers=integers), max_size=most_lines))
-        sections[name.lower()] = tuple(Conjunct(name, expression, "", k + 1) for k, expression in enumerate(drawn))
+        count = source.randint(0, most_lines)
+        lines = [random_expression(source, leaves, depth) for _ in range(count)]
+        sections[name.lower()] = tuple(Conjunct(name, line, "", k + 1) for k, line in enumerate(lines))
     return Specification(inputs, outputs, **sections)
+
+
+def random_expression(source: random.Random, leaves: list[Leaf], depth: int) -> Expression:
+    """Return an expression in the normal form of the readers: no conjunction directly inside a conjunction."""
+    if depth == 0 or source.random() < 0.25:
+        return _leaf(source, leaves)
+    kind = source.choice((Not, And, Or, Xor, Implies, Iff))
+    if kind is Not:
+        return Not(random_expression(source, leaves, depth - 1))
+    if kind in (Implies, Iff):
+        left, right = (random_expression(source, leaves, depth - 1) for _ in range(2))
+        return Implies(left, right) if kind is Implies else Iff(left, right)
+    operands = [random_expression(source, leaves, depth - 1) for _ in range(source.randint(2, 3))]
+    return kind(tuple(Not(e) if isinstance(e, kind) else e for e in operands))  # type: ignore[call-arg, arg-type]
+
+
+def _leaf(source: random.Random, leaves: list[Leaf]) -> Expression:
+    if not leaves or source.random() < 0.05:
+        return Constant(source.random() < 0.5)
+    variable, primed = source.choice(leaves)
+    if variable.is_boolean:
+        return Atom(variable.name, primed)
+    left: Term = Integer(variable.name, primed)
+    operator = source.choice(COMPARISONS)
+    if source.random() < 0.5:
+        return Comparison(operator, left, Number(source.choice(variable.values)))
+    numbers = [Integer(v.name, p) for v, p in leaves if not v.is_boolean]
+    terms: list[Term] = [*numbers, Number(source.randint(-3, 9))]
+    if source.random() < 0.7:
+        left = Sum((left, source.choice(terms)))
+    return Comparison(operator, left, Sum((source.choice(terms), source.choice(terms), source.choice(numbers))))
+
+
+def specifications(*, integers: bool = True, most_lines: int = 2) -> st.SearchStrategy[Specification]:
+    """Return random specifications for Hypothesis."""
+    seeds = st.integers(0, 2**32)
+    return seeds.map(lambda seed: random_specification(random.Random(seed), integers=integers, most_lines=most_lines))
 
 
 def same(left: Node, right: Node) -> bool:

@@ -1,7 +1,8 @@
 """A naive GR(1) solver over sets of states, for tiny specifications: an oracle that shares nothing with ``games``.
 
 It enumerates all valuations, evaluates every line with the evaluator of the integer level, and extracts strategies of
-both players from the layers of the fixpoints (Bloem et al., JCSS 2012; Könighofer, Hofferek and Bloem, 2009, for the dual).
+both players from the layers of the fixpoints (Bloem et al., JCSS 2012; for the dual Könighofer, Hofferek and Bloem,
+FMCAD 2009).
 """
 
 from __future__ import annotations
@@ -9,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 
 from surefoot.logic import Conjunct, Evaluator, Specification, Transducer
-from surefoot.logic.transducer import NO_MOVE
+from surefoot.logic.transducer import NO_MOVE, Player
 
 State = tuple[int, ...]
 Edge = tuple[State, State]
@@ -157,7 +159,7 @@ def _system_strategy(game: Game, z: set[State], layers: Layers, starts: list[Sta
 def _environment_fixpoint(game: Game) -> list[list[tuple[set[State], list[list[set[State]]]]]]:
     """Return, by layer of Z and goal, the set Y and the layers of X by justice."""
     z: set[State] = set()
-    found = []
+    found: list[list[tuple[set[State], list[list[set[State]]]]]] = []
     while True:
         row = [_nu_y_dual(game, goal, z) for goal in game.goals]
         grown = z.union(*(y for y, _ in row))
@@ -234,10 +236,19 @@ def _environment_strategy(game: Game, starts: list[State], inputs: State) -> Tra
     return _explored(game, "environment", nodes, after, lambda m: m[1], move, inputs)
 
 
-def _explored(game, player, starts, after, memory_of, move=None, initial_inputs=None) -> Transducer:
+def _explored(
+    game: Game,
+    player: Player,
+    starts: list[Any],
+    after: Callable[..., list[Any]],
+    memory_of: Callable[[Any], int],
+    move: Callable[..., State | None] | None = None,
+    initial_inputs: State | None = None,
+) -> Transducer:
     number = {node: k for k, node in enumerate(dict.fromkeys(starts))}
     queue = list(number)
-    first, successors = [0], []
+    first: list[int] = [0]
+    successors: list[int] = []
     for node in queue:
         for following in after(*node):
             if following not in number:

@@ -50,7 +50,8 @@ def test_sections_may_come_in_any_order_and_again() -> None:
 
 
 def test_hard_sections_are_safety_and_the_other_repair_sections_are_kept_apart() -> None:
-    text = f"{DECLARED}[ENV_TRANS]\na'\n[ENV_TRANS_HARD]\nb'\n[SYS_TRANS_HARD]\nc'\n[CHANGE_CONS]\nc -> c'\n[NOT_ALLOWED_REPAIR]\na\n"
+    hard = "[ENV_TRANS]\na'\n[ENV_TRANS_HARD]\nb'\n[SYS_TRANS_HARD]\nc'\n"
+    text = f"{DECLARED}{hard}[CHANGE_CONS]\nc -> c'\n[NOT_ALLOWED_REPAIR]\na\n"
     found = parse_structuredslugs(text)
     assert [c.text for c in found.environment_safety] == ["a'", "b'"]
     assert [c.text for c in found.system_safety] == ["c'"]
@@ -143,7 +144,7 @@ def test_the_format_is_told_by_suffix_or_content(tmp_path: Path) -> None:
     assert len(read_specification(prefix_file).sha256) == 64
 
 
-@pytest.mark.parametrize("size", [200_000])
+@pytest.mark.parametrize("size", [50_000])
 @pytest.mark.parametrize("shape", ["!", "& a", "$ 1", "(", "next (", "a ->", "^ a"])
 def test_deep_nesting_is_read_or_refused_in_bounded_time(shape: str, size: int) -> None:
     begun = time.process_time()
@@ -158,7 +159,7 @@ def test_deep_nesting_is_read_or_refused_in_bounded_time(shape: str, size: int) 
     try:
         found = reader(declared + text)
     except InputError as problem:
-        assert "line 6" in str(problem) or ":6:" in str(problem)
+        assert ":6: column " in str(problem)  # noqa: PT017
     else:
         expression = found.sys_trans[0].expression
         assert infix(expression)

@@ -1,4 +1,4 @@
-"""What is written is read back with the same structure (infix) and the same meaning (prefix); lowering keeps the meaning."""
+"""What is written is read back with its structure (infix) and its meaning (prefix); lowering keeps the meaning."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from itertools import product
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from gr1_specs import same, specifications
 from surefoot.errors import InputError
@@ -21,7 +21,6 @@ from surefoot.logic import (
     write_slugsin,
     write_structuredslugs,
 )
-from surefoot.logic.lower import boolean
 from surefoot.logic.syntax import And, Atom, Constant, Not, Or, Xor, postorder
 
 SPECS = Path(__file__).parents[3] / "shared" / "data" / "specs"
@@ -39,6 +38,7 @@ def steps(spec: Specification) -> list[tuple[dict[str, int], dict[str, int]]]:
     return [(states[(7 * k) % len(states)], states[(11 * k + 3) % len(states)]) for k in range(12)]
 
 
+@settings(max_examples=100, deadline=None)
 @given(specifications())
 def test_infix_round_trip(spec: Specification) -> None:
     text = write_structuredslugs(spec)
@@ -50,6 +50,7 @@ def test_infix_round_trip(spec: Specification) -> None:
     assert write_structuredslugs(read) == text
 
 
+@settings(max_examples=100, deadline=None)
 @given(specifications())
 def test_prefix_round_trip_keeps_the_meaning(spec: Specification) -> None:
     read = parse_slugsin(write_slugsin(spec))
@@ -66,6 +67,7 @@ def test_prefix_round_trip_keeps_the_meaning(spec: Specification) -> None:
                 assert bool(mean(other.expression, bits_of(spec, now), bits_of(spec, after))) == expected
 
 
+@settings(max_examples=100, deadline=None)
 @given(specifications())
 def test_lowering_agrees_with_the_evaluator_of_integers(spec: Specification) -> None:
     lowering, evaluate = Lowering(spec), Evaluator(spec)
@@ -73,7 +75,6 @@ def test_lowering_agrees_with_the_evaluator_of_integers(spec: Specification) -> 
         lowered = lowering.boolean(conjunct.expression)
         assert all(isinstance(n, Constant | Atom | Not | And | Or | Xor) for n in postorder([lowered]))
         assert lowering.boolean(conjunct.expression) is lowered
-        assert same(boolean(conjunct.expression, spec), lowered) or True
         for now, after in steps(spec):
             assert bool(evaluate(lowered, now, after)) == bool(evaluate(conjunct.expression, now, after))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,9 +23,9 @@ from surefoot.footholds.model import (
     whole_rows,
 )
 from surefoot.footholds.problem import Problem
-from surefoot.footholds.qp import QpAnswer, solve_qp
+from surefoot.footholds.qp import EquationBound, QpAnswer, solve_qp
 from surefoot.footholds.reduction import reduced_motion
-from surefoot.footholds.rows import Array, Cost, RowBuilder, Rows, stacked
+from surefoot.footholds.rows import FAMILIES, Array, Cost, RowBuilder, Rows, stacked
 
 _EMPTY_ROW = 1e-9
 
@@ -101,11 +101,18 @@ class WholeProgram:
         self.impossible = False
         self.motion: Motion = whole_motion(problem.samples)[0]
         self.cost: Cost = whole_cost(problem)
+        self.exact: EquationBound | None = None
 
     def solve(self, choice: Choice) -> Node:
         """Solve the program."""
         rows = whole_rows(self.problem, choice)
         answer = solve_qp(self.cost, rows)
+        kept = rows.equal & (rows.family != FAMILIES.index("region"))
+        if self.exact is None:
+            self.exact = EquationBound(self.cost, rows.pick(kept))
+        if np.isfinite(answer.value):
+            bound = self.exact.bound(rows.pick(~kept), answer.multipliers[~kept])
+            answer = replace(answer, bound=bound)
         return Node(rows, answer, self.motion.feet.at(answer.unknowns))
 
 

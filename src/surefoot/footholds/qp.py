@@ -14,6 +14,7 @@ IMPOSSIBLE = 1e12
 """No motion within reach costs as much: a lower bound above this proves that there is none."""
 
 _LIMIT = 1e-30
+_FAR = 1e17
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +57,7 @@ def solve_qp(cost: Cost, rows: Rows, tolerance: float = 1e-9) -> QpAnswer:
     settings.eps_duality_gap_abs = 1e-3
     settings.eps_duality_gap_rel = 1e-9
     settings.max_iter = 120
+    settings.eps_primal_inf = 1e-11
     solver.setup(
         cost.hessian, cost.linear,
         _columns(rows.matrix[equal]), rows.lower[equal],
@@ -122,9 +124,9 @@ def _press(rows: Rows, unknowns: Array, multipliers: Array) -> float:
 
 def scaled_ray(cost: Cost, rows: Rows, unknowns: Array, multipliers: Array) -> tuple[Array, float]:
     """Return multipliers along a direction that prove most, and what they prove (a Farkas ray grows without limit)."""
-    if not (cost.curvature > 0).all():
-        return multipliers, -np.inf
     multipliers = multipliers / max(float(np.abs(multipliers).max(initial=0.0)), _LIMIT)
+    if not (cost.curvature > 0).all():
+        return _FAR * multipliers, -np.inf
     slope = cost.hessian @ unknowns + cost.linear
     tilt = rows.matrix.T @ multipliers
     gain = _press(rows, unknowns, multipliers)
@@ -133,3 +135,27 @@ def scaled_ray(cost: Cost, rows: Rows, unknowns: Array, multipliers: Array) -> t
     length = min(max(cross / max(square, _LIMIT), 0.0), 1e3 * IMPOSSIBLE / max(abs(gain), _LIMIT))
     stretched = length * multipliers
     return stretched, lower_bound(cost, rows, unknowns, stretched)
+
+
+class EquationBound:
+    """Bounds for costs without positive curvature everywhere: the Lagrangian is minimised below the equations exactly.
+
+    Args:
+        cost: positive along every direction that the equations leave free.
+        equations: of the program.
+    """
+
+    def __init__(self, cost: Cost, equations: Rows) -> None:
+        from scipy.sparse.linalg import splu
+
+        self.cost, self.right = cost, equations.lower
+        matrix = equations.matrix
+        self.factors: Any = splu(sp.bmat([[cost.hessian, matrix.T], [matrix, None]], format="csc"))
+
+    def bound(self, rows: Rows, multipliers: Array) -> float:
+        """Return what the multipliers of rows, which need not hold the equations, prove."""
+        size = len(self.cost.linear)
+        tilt = rows.matrix.T @ multipliers
+        solved = self.factors.solve(np.concatenate([-(self.cost.linear + tilt), self.right]))
+        unknowns = solved[:size]
+        return self.cost.at(unknowns) + _press(rows, unknowns, multipliers)

@@ -1,8 +1,7 @@
 """Branch and bound over the polygons (and free regions) that are left to every footstep (and window).
 
 A node is a ``Choice``; its program holds the convex hull of what is left, so that its value is a lower bound. A node is
-closed when its bound reaches the best plan, when its program is infeasible, or when its solution happens to obey every
-choice. Bounds are certified by weak duality (``qp``), never taken from the solver. No decision depends on time, except
+closed when its bound reaches the best plan, when its program is infeasible, or when nothing is left open in it. Bounds are certified by weak duality (``qp``), never taken from the solver. No decision depends on time, except
 to stop.
 """
 
@@ -142,14 +141,13 @@ class _Search:
         if answer.feasible is None:
             return self.close(branch, proved=False) if decided(branch.choice) else self.split_anywhere(branch)
         split, rounded = self.violated(branch.choice, node)
-        if split < 0:
-            self.offer(rounded, branch.choice, node)
+        if decided(branch.choice):
+            self.offer(branch.choice, node)
             return self.close(branch)
         self.round(rounded)
         if branch.bound >= self.outcome.value * (1 - self.gap):
             return self.close(branch)
-        branch.split = split
-        return self.split(branch, node, split)
+        return self.split(branch, node, split) if split >= 0 else self.split_off(branch, rounded)
 
     def solved(self, choice: Choice) -> Node:
         self.outcome.nodes += 1
@@ -161,12 +159,10 @@ class _Search:
         self.closed = min(self.closed, branch.bound)
         return []
 
-    def offer(self, rounded: Choice, choice: Choice, node: Node) -> None:
-        """Take a node's solution, which obeys every choice, as a plan."""
-        if rounded != choice:
-            self.round(rounded)
-        elif node.answer.value < self.outcome.value:
-            self.take(rounded, node)
+    def offer(self, choice: Choice, node: Node) -> None:
+        """Take the solution of a decided choice as a plan, if it is better."""
+        if node.answer.feasible and node.answer.value < self.outcome.value:
+            self.take(choice, node)
 
     def take(self, choice: Choice, node: Node) -> None:
         if not self.accept(choice, node):
@@ -179,9 +175,7 @@ class _Search:
         if choice in self.tried:
             return
         self.tried.add(choice)
-        node = self.solved(choice)
-        if node.answer.feasible and node.answer.value < self.outcome.value:
-            self.take(choice, node)
+        self.offer(choice, self.solved(choice))
 
     def violated(self, choice: Choice, node: Node) -> tuple[int, Choice]:
         """Return the place whose choices the solution obeys least, -1 if it obeys all, and the nearest decided choice."""
@@ -224,6 +218,12 @@ class _Search:
             beyond = [index == nearest for index in range(len(left))]
         groups = [tuple(r for r, is_beyond in zip(left, beyond, strict=True) if is_beyond is side) for side in (True, False)]
         return self.children(branch, place, groups)
+
+    def split_off(self, branch: Branch, rounded: Choice) -> list[Branch]:
+        """Cut one decision off where the points fit, but cones or windows of several choices were mixed."""
+        place = next(i for i, left in enumerate(branch.choice) if len(left) > 1)
+        rest = tuple(r for r in branch.choice[place] if r != rounded[place][0])
+        return self.children(branch, place, [rounded[place], rest])
 
     def split_anywhere(self, branch: Branch) -> list[Branch]:
         place = next(i for i, left in enumerate(branch.choice) if len(left) > 1)

@@ -21,11 +21,19 @@ _ROUNDS = 60
 _WIDEST_EDGE = 12
 
 
-def variable_order(game: BitGame) -> list[int]:
-    """Return the bits in the order in which their variables shall stand, top first."""
+def variable_orders(game: BitGame) -> list[list[int]]:
+    """Return two orders of the bits to try, top first: the better arrangement, and the same upside down.
+
+    The one with the environment's bits further down comes first: most games are solved much faster that way round,
+    since the environment's next values are quantified last.
+    """
     edges = _edges(game)
     starts = (list(range(len(game.bits))), _outputs_first(game))
-    return min((_force(start, edges) for start in starts), key=lambda order: _span(order, edges))
+    best = min((_force(start, edges) for start in starts), key=lambda order: _span(order, edges))
+    depth = [place for place, bit in enumerate(best) if bit < game.inputs]
+    if depth and 2 * sum(depth) < len(depth) * (len(best) - 1):
+        best = best[::-1]
+    return [best, best[::-1]]
 
 
 def _outputs_first(game: BitGame) -> list[int]:

@@ -42,12 +42,18 @@ class Step:
     rules: tuple[Set, ...]
 
 
+class OutOfWork(Exception):  # noqa: N818 - a signal between the attempts of one engine
+    """An attempt with one variable order has used up its share of work."""
+
+
 class Encoder:
     """Turns formulas over bits into sets; shared nodes are built once."""
 
     def __init__(self, game: BitGame, order: Sequence[int], manager: Diagrams, deadline: Deadline) -> None:
         self.manager = manager
         self.deadline = deadline
+        self.work = 0
+        self.most_work: int | None = None
         self.place = {bit: place for place, bit in enumerate(order)}
         self._numbers = {name: number for number, name in enumerate(game.bits)}
         self._built: dict[int, Set] = {}
@@ -60,6 +66,14 @@ class Encoder:
     def then(self, bit: int) -> int:
         """Return the variable of a bit's next value, just below."""
         return 2 * self.place[bit] + 1
+
+    def spend(self, result: Set) -> Set:
+        """Count the nodes of a result as work, and give up past the deadline or the most work; return the result."""
+        self.deadline.check("solving the game")
+        self.work += self.manager.size(result)
+        if self.most_work is not None and self.work > self.most_work:
+            raise OutOfWork
+        return result
 
     def set_of(self, formula: Expression) -> Set:
         """Return the set that a formula describes."""
@@ -115,18 +129,18 @@ class Move:
             rules = _merged(encoder, parts, owned)
             self.steps, rest = _chain(encoder, groups, rules)
             self.always = encoder.conjunction(rule.relation for rule in rest)
+        self.rules = tuple(together)
 
     def some(self, target: Set) -> Set:
         """Return where some next values that the rules allow lead into the target."""
         manager, encoder = self._encoder.manager, self._encoder
         for step in self.steps:
-            encoder.deadline.check("computing predecessors")
             for rule in step.rules[:-1]:
-                target = manager.conjoin(target, rule)
+                target = encoder.spend(manager.conjoin(target, rule))
             if step.rules:
-                target = manager.and_exists(target, step.rules[-1], step.cube)
+                target = encoder.spend(manager.and_exists(target, step.rules[-1], step.cube))
             else:
-                target = manager.exists(target, step.cube)
+                target = encoder.spend(manager.exists(target, step.cube))
         return manager.conjoin(target, self.always)
 
 

@@ -22,7 +22,7 @@ from itertools import count, cycle
 from surefoot.compute import Deadline
 from surefoot.games.bits import BitGame, Part
 from surefoot.games.diagrams import Backend, Set, diagrams
-from surefoot.games.ordering import variable_order
+from surefoot.games.ordering import variable_orders
 from surefoot.games.relation import Encoder, Move, primed
 from surefoot.games.solution import EnvDeadEnd
 
@@ -75,11 +75,13 @@ class SymbolicGame:
         backend: Backend = "oxidd",
         node_limit: int | None = None,
         order: list[int] | None = None,
+        most_work: int | None = None,
     ) -> None:
         self.game = game
-        order = order or variable_order(game)
+        order = order or variable_orders(game)[0]
         self.manager = diagrams(2 * len(game.bits), backend=backend, node_limit=node_limit)
         self.encoder = encoder = Encoder(game, order, self.manager, deadline)
+        encoder.most_work = most_work
         inputs = range(game.inputs)
         outputs = range(game.inputs, len(game.bits))
         self.environment = Move(encoder, [g for g in game.groups if g and g[0] in inputs], game.env_trans)
@@ -103,9 +105,8 @@ class SymbolicGame:
 
     def cpre(self, transitions: Set, care: Set) -> Set:
         """Return those states of ``care`` from where the system can force the next transition to be one of these."""
-        manager = self.manager
-        helpless = manager.conjoin(care, ~self.system.some(transitions))
-        return manager.conjoin(care, ~self.environment.some(helpless))
+        helpless = self.environment.some(~self.system.some(transitions))
+        return self.manager.conjoin(care, ~helpless)
 
     def closed(self, states: Set) -> Set:
         """Return the greatest part of a set in which the system can stay for ever."""

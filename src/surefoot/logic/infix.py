@@ -14,6 +14,7 @@ from surefoot.logic.prefix import looks_prefix, parse_prefix
 from surefoot.logic.sections import LARGEST_TOKENS, LARGEST_VALUE, Line, Place, Scope, misplaced
 from surefoot.logic.syntax import (
     COMPARISONS,
+    NAME_PATTERN,
     And,
     Atom,
     Comparison,
@@ -34,7 +35,7 @@ from surefoot.logic.syntax import (
 )
 
 _TOKEN = re.compile(
-    r"(?P<space>\s+)|(?P<name>[A-Za-z_][A-Za-z0-9_.@]*'?)|(?P<number>[0-9]+)"
+    rf"(?P<space>\s+)|(?P<name>{NAME_PATTERN}'?)|(?P<number>[0-9]+)"
     r"|(?P<symbol><-->|<->|-->|->|<=|>=|!=|==|<>|&&|\|\||/\\|\\/|\(\s*\)|\[\s*\]|[-!~&|^=<>+*/()\[\]])|(?P<bad>.)"
 )
 _SAME = {"~": "!", "&&": "&", "/\\": "&", "||": "|", "\\/": "|", "-->": "->", "<-->": "<->", "==": "="}

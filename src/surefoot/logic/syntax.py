@@ -13,7 +13,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.@]*")
+NAME_PATTERN = r"[A-Za-z_][A-Za-z0-9_.]*(?:@0\.-?[0-9]+\.-?[0-9]+|@[0-9]+)?"
+"""A name, perhaps with the ending of a bit of an integer."""
+NAME = re.compile(NAME_PATTERN)
 COMPARISONS = ("=", "!=", "<", "<=", ">", ">=")
 
 

@@ -88,18 +88,22 @@ def second_high(funnel: Funnel, x: float, end: float, window_high: float) -> flo
 
 
 @njit(cache=True)
+def _manifold(z: float, w: float, apex_velocity: float) -> float:
+    """Return the velocity of a tangent manifold at an offset from the foot."""
+    return math.sqrt(apex_velocity * apex_velocity + (w * z) ** 2)
+
+
+@njit(cache=True)
 def _gap(
     funnel: Funnel, x: float, end: float, window: float, top: bool, foot: float, tube_w: float, tube_v: float
 ) -> float:
     """Return tube minus barrier of the second half at a position: it grows from left to right."""
     barrier = second_high(funnel, x, end, window) if top else second_low(funnel, x, end, window)
-    return math.sqrt(tube_v * tube_v + (tube_w * (x - foot)) ** 2) - barrier
+    return _manifold(x - foot, tube_w, tube_v) - barrier
 
 
 @njit(cache=True)
-def _meet(
-    funnel: Funnel, end: float, window: float, top: bool, foot: float, tube_w: float, tube_v: float
-) -> float:
+def _meet(funnel: Funnel, end: float, window: float, top: bool, foot: float, tube_w: float, tube_v: float) -> float:
     """Return where a tangent manifold meets a barrier (regula falsi with the Illinois rule), or an end of the step."""
     a, b = foot, end
     fa = _gap(funnel, a, end, window, top, foot, tube_w, tube_v)
@@ -151,11 +155,11 @@ def corners(
         left,
         second_low(funnel, left, end_low, window_low),
         bottom,
-        second_low(funnel, bottom, end_low, window_low),
+        max(second_low(funnel, bottom, end_low, window_low), _manifold(bottom - foot, tube_w, tube_low)),
         top,
-        second_high(funnel, top, end_high, window_high),
+        min(second_high(funnel, top, end_high, window_high), _manifold(top - foot, tube_w, tube_high)),
         right,
-        second_high(funnel, right, end_high, window_high),
+        _manifold(right - foot, tube_w, tube_low),
     )
 
 

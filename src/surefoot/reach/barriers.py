@@ -79,7 +79,10 @@ class BarrierRegion:
             low = np.maximum(low, self.first.lower.w[0] * np.abs(x - self.first.foot))
         guard_low, guard_high = self.guard_span(x)
         there = guard_low <= guard_high
-        low, high = np.where(there, np.minimum(low, guard_low), low), np.where(there, np.maximum(high, guard_high), high)
+        low, high = (
+            np.where(there, np.minimum(low, guard_low), low),
+            np.where(there, np.maximum(high, guard_high), high),
+        )
         empty = np.full_like(x, self.guard.empty, dtype=np.bool_)
         return np.where(empty, np.inf, low), np.where(empty, -np.inf, high)
 

@@ -31,7 +31,18 @@ class HalfStepController:
         half: which half step.
     """
 
-    __slots__ = ("_bits", "_half", "_inverse_v", "_inverse_x", "_omegas", "_rows", "_v_low", "_v_span", "_x_low", "_x_span")
+    __slots__ = (
+        "_bits",
+        "_half",
+        "_inverse_v",
+        "_inverse_x",
+        "_omegas",
+        "_rows",
+        "_v_low",
+        "_v_span",
+        "_x_low",
+        "_x_span",
+    )
 
     def __init__(self, region: Region, half: HalfStep) -> None:
         cells = region.cells

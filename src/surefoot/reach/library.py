@@ -184,9 +184,7 @@ def _region(transition: Transition, settings: Settings, cache: Path | None) -> R
     return region
 
 
-def _covered(
-    region: Region, x0: np.ndarray, x1: np.ndarray, v0: np.ndarray, v1: np.ndarray
-) -> np.ndarray:
+def _covered(region: Region, x0: np.ndarray, x1: np.ndarray, v0: np.ndarray, v1: np.ndarray) -> np.ndarray:
     """Tell which rectangles lie in winning cells of the first half step; edges may touch."""
     cells, inward = region.cells, 1e-9
     i0 = np.floor((x0 - cells.x0_m) / cells.x_step_m + 0.5 + inward).astype(int)

@@ -131,9 +131,7 @@ def simulate(
     return Trace(ending, tuple(times), tuple(xs), tuple(vs), tuple(omegas), switch, margin)
 
 
-def _omega(
-    tables: _walks.Tables, law: int, half: int, x: float, v: float, tau: float, previous: float
-) -> float:
+def _omega(tables: _walks.Tables, law: int, half: int, x: float, v: float, tau: float, previous: float) -> float:
     wish = 0.5 * (NOMINAL_OMEGA_RADPS + previous)
     if law == _walks.TABLE:
         return float(_walks.table_omega(tables, half, x, v, wish))

@@ -83,7 +83,9 @@ class Region:
     def emptied_by(self) -> str | None:
         """Why a region is empty, or None; an empty region is an answer."""
         if not self.second.target.any():
-            return "no cell of the grid lies wholly inside the target window: the grid is too coarse or does not cover it"
+            return (
+                "no cell of the grid lies wholly inside the target window: the grid is too coarse or does not cover it"
+            )
         if not self.second.masks.any():
             return (
                 "no omega brings any cell surely into the target within one sample: the disturbance and the growth of a "

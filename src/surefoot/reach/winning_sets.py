@@ -104,7 +104,9 @@ def initial_winning_set(
     v, length = step.apex_velocity_mps, step.step_length_m
     foot = step.dy2_m * math.sin(abs(step.heading_change_rad))
     along = v * math.cos(step.heading_change_rad)
-    ratio = math.cos(step.heading_change_rad) ** 2  # sigma is measured in the scale of the keyframe, not of its projection
+    ratio = (
+        math.cos(step.heading_change_rad) ** 2
+    )  # sigma is measured in the scale of the keyframe, not of its projection
     first_omega = math.sqrt(GRAVITY_MPS2 / step.apex_height_m)
     second_omega = math.sqrt(GRAVITY_MPS2 / (step.apex_height_m - step.height_change_m))
     target = margin_set(cells, length, v, length, second_omega, final)

@@ -87,7 +87,9 @@ def _check_refutation(plan: FootholdFile, ledger: Ledger) -> None:
     if problem:
         ledger.refuse("footholds, refutation", problem, "proof")
     elif bound < limit:
-        ledger.refuse("footholds, refutation", f"the proof bounds the cost by {bound:.3g} only, below {limit:.3g}", "proof")
+        ledger.refuse(
+            "footholds, refutation", f"the proof bounds the cost by {bound:.3g} only, below {limit:.3g}", "proof"
+        )
 
 
 def impossible(plan: FootholdFile) -> float:

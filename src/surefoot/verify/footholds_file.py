@@ -79,7 +79,9 @@ def read_foothold_plan(path: Path) -> FootholdFile:
     try:
         return _read(path, fields)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as problem:
-        raise InputError(f"is no whole foothold plan ({type(problem).__name__}: {str(problem)[:80]})", source=path) from problem
+        raise InputError(
+            f"is no whole foothold plan ({type(problem).__name__}: {str(problem)[:80]})", source=path
+        ) from problem
 
 
 def _read(path: Path, fields: Fields) -> FootholdFile:
@@ -150,7 +152,11 @@ def _motion(
     said = [(int(s["foot"]), int(s["lift"]), int(s["touch"])) for s in motion["footsteps"]]
     if said != [(s.foot, s.lift, s.touch) for s in steps]:
         raise ValueError("the footsteps are not those of the gait")
-    return arrays, tuple(int(s["polygon"]) for s in motion["footsteps"]), tuple(int(s) for s in motion["window_regions"])
+    return (
+        arrays,
+        tuple(int(s["polygon"]) for s in motion["footsteps"]),
+        tuple(int(s) for s in motion["window_regions"]),
+    )
 
 
 def _same_problem(path: Path, values: dict[str, Any]) -> None:

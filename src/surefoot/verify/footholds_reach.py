@@ -38,7 +38,10 @@ def left_to_steps(plan: FootholdFile) -> list[tuple[int, ...]] | None:
         before = [kept if kept is None else list(kept) for _, _, kept, _, _ in stays]
         edges = np.concatenate([low, high]).copy()
         for number, (foot, samples, kept, least, most) in enumerate(stays):
-            reach_low, reach_high = low[samples] + arm[samples, foot] - half[samples], high[samples] + arm[samples, foot] + half[samples]
+            reach_low, reach_high = (
+                low[samples] + arm[samples, foot] - half[samples],
+                high[samples] + arm[samples, foot] + half[samples],
+            )
             least, most = np.maximum(least, reach_low.max(axis=0)), np.minimum(most, reach_high.min(axis=0))
             if kept is not None:
                 kept = [r for r in kept if _touches(ground[r].corners, ground[r].normal, least, most)]

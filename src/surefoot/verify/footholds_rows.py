@@ -127,7 +127,8 @@ def violations(plan: FootholdFile) -> dict[str, float]:
     found = {**_ends(plan), **_motion_laws(plan), **_limits(plan)}
     ground = surfaces(plan)
     found["region"] = max(
-        (ground[r].outside(a["feet_m"][s.touch, s.foot]) for s, r in zip(plan.steps, plan.polygons, strict=True)), default=0.0
+        (ground[r].outside(a["feet_m"][s.touch, s.foot]) for s, r in zip(plan.steps, plan.polygons, strict=True)),
+        default=0.0,
     )
     found["friction"] = _friction(plan, ground)
     if values["options"]["collision"]:
@@ -231,7 +232,9 @@ def _collision(plan: FootholdFile) -> float:
     for number, region in enumerate(plan.regions):
         given = plan.values["free_regions"][region]
         points = plan.arrays["feet_m"][list(parts[number % len(parts)]), number // len(parts)]
-        worst = max(worst, float((points @ np.array(given["A"], dtype=float).T - np.array(given["b"], dtype=float)).max()))
+        worst = max(
+            worst, float((points @ np.array(given["A"], dtype=float).T - np.array(given["b"], dtype=float)).max())
+        )
     if len(plan.regions) != 4 * len(parts):
         return float("inf")
     return worst

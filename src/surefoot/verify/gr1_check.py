@@ -107,9 +107,9 @@ def _check_environment(strategy: StrategyFile, rules: Rules, nodes: Ints, edges:
     _check_environment_start(strategy, rules, ledger)
     inputs = specification.inputs
     safety = [conjunct.expression for conjunct in specification.environment_safety]
-    idle = (strategy.moves[nodes] == NO_MOVE).all(axis=1) & bool(inputs)
-    stuck, moving = nodes[idle], nodes[~idle]
-    possible = _counted(rules, Choices(rules.evaluator, safety, inputs, primed=True), stuck)
+    possible = _counted(rules, Choices(rules.evaluator, safety, inputs, primed=True), nodes)
+    idle = (strategy.moves[nodes] == NO_MOVE).all(axis=1) if inputs else possible == 0
+    stuck, moving, possible = nodes[idle], nodes[~idle], possible[idle]
     has_answers = np.bincount(edges.sources, minlength=len(strategy.values))
     for place, node in enumerate(stuck.tolist()):
         if strategy.env_dead_end == "wins" or possible[place] or has_answers[node]:

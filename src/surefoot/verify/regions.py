@@ -50,14 +50,18 @@ def _check_counts(region: RegionFile, ledger: Ledger) -> None:
         found = int(np.count_nonzero(region.arrays[key]))
         ledger.counts[name] = found
         if found != region.cells.whole(name, least=0):
-            ledger.refuse("formats.md, step region", f"cells.{name} is not the number of cells, {found}", str(region.path))
+            ledger.refuse(
+                "formats.md, step region", f"cells.{name} is not the number of cells, {found}", str(region.path)
+            )
 
 
 def _check_target(region: RegionFile, ledger: Ledger) -> None:
     """Every target cell lies wholly inside the target box, compared in rationals."""
     columns, rows = region.shape
     left, right = region.length - region.half_width, region.length + region.half_width
-    x = [left < region.x0 + (i - HALF) * region.dx and region.x0 + (i + HALF) * region.dx < right for i in range(columns)]
+    x = [
+        left < region.x0 + (i - HALF) * region.dx and region.x0 + (i + HALF) * region.dx < right for i in range(columns)
+    ]
     low, high = region.window
     v = [low < region.v0 + (j - HALF) * region.dv and region.v0 + (j + HALF) * region.dv < high for j in range(rows)]
     _refuse_cells(region, "second_target", ~np.outer(x, v), "is not wholly inside the target", ledger)
@@ -115,7 +119,9 @@ def _attack(region: RegionFile, half: str, steps: int, rng: np.random.Generator,
                 still = y <= x
                 for n in np.flatnonzero(still)[:1]:
                     where = f"{half} half, x = {x[n]:.6g} m, v = {v[n]:.6g} m/s, omega = {w[n]:.6g} rad/s"
-                    ledger.refuse(RULE, "the adversary keeps the state from going forward", where, times=int(still.sum()))
+                    ledger.refuse(
+                        RULE, "the adversary keeps the state from going forward", where, times=int(still.sum())
+                    )
     return 16 * i.size
 
 

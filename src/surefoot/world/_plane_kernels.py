@@ -275,6 +275,39 @@ def _alike(labels: Ints, r: int, c: int, label: int) -> int:
 
 
 @njit(cache=True)
+def settle_rivals(z: Floats, labels: Ints, planes: Floats, step: float) -> Ints:
+    """Give cells at the step between two regions to the one whose plane is nearer; return new labels.
+
+    Args:
+        z: measured heights.
+        labels: 0 for none.
+        planes: (labels, 3) planes.
+        step: planes that differ by less at the cell are no step.
+    """
+    rows, columns = z.shape
+    new = labels.copy()
+    for r in range(rows):
+        for c in range(columns):
+            own = labels[r, c]
+            if own == 0 or np.isnan(z[r, c]):
+                continue
+            here = planes[own, 0] + planes[own, 1] * c + planes[own, 2] * r
+            best = abs(z[r, c] - here)
+            for k in range(4):
+                i, j = r + (k == 1) - (k == 0), c + (k == 3) - (k == 2)
+                if i < 0 or j < 0 or i >= rows or j >= columns:
+                    continue
+                other = labels[i, j]
+                if other == own or other == 0:
+                    continue
+                there = planes[other, 0] + planes[other, 1] * c + planes[other, 2] * r
+                if abs(there - here) > step and abs(z[r, c] - there) < best:
+                    best = abs(z[r, c] - there)
+                    new[r, c] = other
+    return new
+
+
+@njit(cache=True)
 def region_planes(z: Floats, labels: Ints, count: int) -> Floats:
     """Return the least-squares plane of every label from measured heights, shape (count, 3)."""
     rows, columns = z.shape

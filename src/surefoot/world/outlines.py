@@ -23,8 +23,7 @@ SIMPLIFY_CELLS = (1.0, 0.6)
 UNSURE_CELLS = 0.5
 """A scan knows an edge to half a cell."""
 FEW = 6
-import os
-TIP=float(os.environ.get('TIP','1.0'))
+TIP_CELLS = 1.45
 SURE_POINTS = 10
 THIN = 0.35
 """A region of which the margin leaves less is thin: between other things whose corners may reach into it unseen."""
@@ -43,35 +42,38 @@ def inset_outline(mask: Flags, margin_cells: float, least_cells: float = 0.0) ->
         the area [cells] that the margin leaves of the plain contour, to measure the former against.
     """
     rings = contour_rings(mask)
-    contour = _region(rings)
+    outside, tips = _beside(mask)
+    contour = _without(_region(rings), tips, UNSURE_CELLS)
     plain = _shrunk(contour, margin_cells)
     if plain.area < least_cells:
         return shapely.Polygon(), float(plain.area)
-    inward, apart = max(margin_cells - UNSURE_CELLS / 2, min(margin_cells, UNSURE_CELLS)), UNSURE_CELLS
     if plain.area < THIN * contour.area:
-        inward, apart = margin_cells, 2 * UNSURE_CELLS
-    outside, tips = _beside(mask)
+        return plain, float(plain.area)
+    inward = max(margin_cells - UNSURE_CELLS / 2, min(margin_cells, UNSURE_CELLS))
     for tolerance in SIMPLIFY_CELLS:
         inset = _shrunk(_region([straightened(ring, tolerance) for ring in rings]), inward)
-        near = _too_near(inset, outside, min(inward, apart)) | (tips & _too_near(inset, outside, TIP))
-        if 0 < near.sum() <= FEW:
-            inset = _without(inset, outside[near], inward + UNSURE_CELLS)
-        if near.sum() <= FEW and inset.area > 0.9 * plain.area:
-            return _polygons(inset), float(plain.area)
+        poked = tips[_too_near(inset, tips, TIP_CELLS)] if margin_cells > 0 else tips[:0]
+        inset = _without(inset, poked, inward + UNSURE_CELLS)
+        near = outside[_too_near(inset, outside, min(inward, UNSURE_CELLS))]
+        if len(near) <= FEW:
+            inset = _without(inset, near, inward + UNSURE_CELLS)
+            if inset.area > 0.9 * plain.area:
+                return _polygons(inset), float(plain.area)
     return _shrunk(contour, inward), float(plain.area)
 
 
-def _beside(mask: Flags) -> tuple[Floats, Flags]:
-    """Return the centres of the cells that touch a region from outside, and which of them are tips.
+def _beside(mask: Flags) -> tuple[Floats, Floats]:
+    """Return the centres of the cells that touch a region from outside, and those of them that are tips.
 
-    A tip has most of its neighbours in the region: what it belongs to may reach up to a cell farther than it shows.
+    A tip has most of its neighbours in the region: the corner it belongs to may reach a cell farther, unseen.
     """
     from scipy import ndimage
 
     framed = np.pad(mask, 2)
     count = ndimage.convolve(framed.astype(np.int8), np.ones((3, 3), np.int8), mode="constant")
     rows, columns = np.nonzero((count > 0) & ~framed)
-    return np.column_stack((columns, rows)).astype(np.float64) - 2.0, count[rows, columns] >= 5
+    centres = np.column_stack((columns, rows)).astype(np.float64) - 2.0
+    return centres, centres[count[rows, columns] >= 5]
 
 
 def _too_near(shape: Any, points: Floats, distance: float) -> Flags:
@@ -83,6 +85,8 @@ def _too_near(shape: Any, points: Floats, distance: float) -> Flags:
 
 def _without(shape: Any, points: Floats, reach: float) -> Any:
     """Return a shape without the squares around some points."""
+    if not len(points):
+        return shape
     x, y = points.T
     return shapely.difference(shape, shapely.union_all(shapely.box(x - reach, y - reach, x + reach, y + reach)))
 

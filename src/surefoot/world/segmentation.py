@@ -197,9 +197,10 @@ class _State:
             enough = np.bincount(labels.ravel(), minlength=len(planes)) >= _SURE_CELLS
             planes = np.where(enough[:, None], kernels.region_planes(self.heights, labels, len(planes)), planes)
         open_ = (self.known | self.dropouts) & free
+        labels = kernels.settle_rivals(self.heights, labels, planes, 2.5 * self.noise_m)
         labels = kernels.claim_edges(self.heights, labels, planes, open_, near_m, 3, 4)
         far_m = max(1.5 * near_m, 4.5 * self.noise_m)
-        return kernels.claim_edges(self.heights, labels, planes, open_, far_m, 3, 6), planes
+        return kernels.claim_edges(self.heights, labels, planes, open_, far_m, 3, 5), planes
 
     def _keep(self, found: Labels, planes: Floats) -> None:
         """Take over regions, in connected parts that are large enough and that the margin leaves something of."""

@@ -1,0 +1,93 @@
+"""Solving symbolically within limits: two variable orders in turn, and a watch over operations that run too long."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from itertools import count
+from math import inf
+from time import monotonic
+from typing import TypeVar
+
+from surefoot.compute import Deadline
+from surefoot.errors import LimitExceeded
+from surefoot.games.bits import BitGame
+from surefoot.games.diagrams import Backend
+from surefoot.games.ordering import variable_orders
+from surefoot.games.relation import OutOfWork
+from surefoot.games.solution import EnvDeadEnd
+from surefoot.games.symbolic import SymbolicGame, SymbolicResult, solve_symbolically
+
+_FIRST_SHARE = 3_000_000  # nodes of intermediate results; about two seconds
+_GROWTH = 6
+_GRACE_S = 0.5
+_T = TypeVar("_T")
+
+
+def attempt(
+    game: BitGame,
+    *,
+    robotics: bool,
+    env_dead_end: EnvDeadEnd,
+    deadline: Deadline,
+    backend: Backend = "oxidd",
+    node_limit: int | None = None,
+    keep_layers: bool = False,
+    whole_region: bool = False,
+) -> tuple[SymbolicGame, SymbolicResult]:
+    """Solve a game with one variable order, then with the other, with growing shares of work, until one is done.
+
+    The better order may be faster by a factor of a hundred, and no measure of the order alone tells which it is. The
+    shares count nodes, not seconds, so that the outcome is the same every time.
+
+    Raises:
+        LimitExceeded: once the deadline or the node limit is passed.
+    """
+    orders = variable_orders(game)
+    for turn in count():
+        share = _FIRST_SHARE * _GROWTH ** (turn // 2)
+        try:
+            solved = SymbolicGame(
+                game,
+                env_dead_end=env_dead_end,
+                deadline=deadline,
+                backend=backend,
+                node_limit=node_limit,
+                order=orders[turn % 2],
+                most_work=share,
+            )
+            stop = (lambda z, g=solved: not g.wins_initially(z, robotics)) if not whole_region else (lambda z: False)
+            return solved, solve_symbolically(solved, stop=stop, keep_layers=keep_layers)
+        except OutOfWork:
+            continue
+    raise AssertionError
+
+
+def watched(work: Callable[[], _T], deadline: Deadline) -> _T:
+    """Return what a computation returns, or give up on time even inside one long operation of the back end.
+
+    With a deadline the computation runs in a thread of its own; when it overruns it is left behind. It ends with its
+    operation, or with the process.
+
+    Raises:
+        LimitExceeded: once the deadline has passed.
+    """
+    if deadline.end_s == inf:
+        return work()
+    outcome: list[tuple[_T | None, BaseException | None]] = []
+
+    def run() -> None:
+        try:
+            outcome.append((work(), None))
+        except BaseException as problem:
+            outcome.append((None, problem))
+
+    thread = threading.Thread(target=run, name="symbolic engine", daemon=True)
+    thread.start()
+    thread.join(max(deadline.end_s - monotonic(), 0.0) + _GRACE_S)
+    if not outcome:
+        raise LimitExceeded("solving the game: the time limit was reached")
+    value, problem = outcome[0]
+    if problem is not None:
+        raise problem
+    return value  # type: ignore[return-value]
