@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 app = typer.Typer(help="Footholds for a gait: solve, retarget, animate, print the schema.", rich_markup_mode="rich")
 
-_ProblemFile = Annotated[Path, typer.Argument(metavar="PROBLEM", help="A problem file, YAML or JSON.", show_default=False)]
+_ProblemFile = Annotated[
+    Path, typer.Argument(metavar="PROBLEM", help="A problem file, YAML or JSON.", show_default=False)
+]
 
 
 @app.command("solve")
@@ -24,7 +26,9 @@ def solve(
     problem: _ProblemFile,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="The plan file to write.")] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="A picture (PNG) to draw.")] = None,
-    time_limit_s: Annotated[float | None, typer.Option("--time-limit", min=1e-3, help="Overrides the file's, in seconds.")] = None,
+    time_limit_s: Annotated[
+        float | None, typer.Option("--time-limit", min=1e-3, help="Overrides the file's, in seconds.")
+    ] = None,
     gap: Annotated[float | None, typer.Option("--gap", min=1e-9, max=0.99, help="Overrides the file's.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -43,15 +47,18 @@ def solve(
     from surefoot.footholds import solve as solve_problem
 
     read = read_problem(problem)
-    changed = {name: value for name, value in (("time_limit_s", time_limit_s), ("gap", gap)) if value is not None}
-    read = replace(read, options=replace(read.options, **changed))
+    if time_limit_s is not None:
+        read = replace(read, options=replace(read.options, time_limit_s=time_limit_s))
+    if gap is not None:
+        read = replace(read, options=replace(read.options, gap=gap))
     solution = solve_problem(read)
     if output is not None:
         write_plan(output, read, solution)
     if plot is not None:
+        from surefoot.footholds.plan_file import plan_document
         from surefoot.viewer.footholds import draw_plan
 
-        draw_plan(read, solution.plan, plot)
+        draw_plan(plan_document(read, solution, plot.parent), plot)
     _say(read, solution, as_json=as_json)
 
 
@@ -97,7 +104,9 @@ def animate(
     from surefoot.viewer.footholds import animate_plan
 
     frames = animate_plan(plan, output)
-    answer({"animation": str(output), "frames": frames}, [f"Wrote {output} ({frames} frames)"], yes=True, as_json=as_json)
+    answer(
+        {"animation": str(output), "frames": frames}, [f"Wrote {output} ({frames} frames)"], yes=True, as_json=as_json
+    )
 
 
 @app.command("schema")

@@ -10,14 +10,14 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from surefoot.errors import InputError
 from surefoot.documents.yaml_lines import Loc, dotted
+from surefoot.errors import InputError
 
 _SHOWN_CHARACTERS = 60
 _MOST_PROBLEMS = 50
 
 
-class FileProblems(InputError):
+class FileProblems(InputError):  # noqa: N818
     """Every problem of one file; the text has one line for each.
 
     Attributes:

@@ -1,7 +1,7 @@
 """Why a problem is infeasible: the least that has to give, by family, foot, footstep and metres or newtons.
 
-Two elastic programs. The first takes positions only and chooses polygons: rows of reach, clearance, support and collision
-may give, one slack for all samples of a foot's step, and the sum of the slacks is least (L1). Where nothing has to give
+Two elastic programs. The first takes positions only and chooses polygons: rows of reach, clearance, support and
+collision may give, one slack for all samples of a foot's step, and the sum of the slacks is least (L1). Where nothing has to give
 there, the polygons that it chose are kept, forces come in, and friction and torque may give too.
 """
 
@@ -17,7 +17,6 @@ from surefoot.footholds.model import (
     INF,
     Choice,
     Motion,
-    all_open,
     clearance_rows,
     collision_rows,
     dynamics_rows,
@@ -193,7 +192,9 @@ def _groups(problem: Problem, rows: Rows) -> Index:
     axis[friction] = 0
     starts = [[s.lift for s in problem.footsteps if s.foot == j] for j in range(4)]
     other = ~clearance & (foot >= 0)
-    step[other] = [int(np.searchsorted(starts[j], i, side="right")) for i, j in zip(where[other, 0], foot[other], strict=True)]
+    step[other] = [
+        int(np.searchsorted(starts[j], i, side="right")) for i, j in zip(where[other, 0], foot[other], strict=True)
+    ]
     support = rows.family == FAMILIES.index("support")
     axis[support] = where[support, 1]
     return np.stack([rows.family, foot, step, axis], axis=1)
@@ -229,6 +230,12 @@ def _lacks(problem: Problem, groups: Index, amounts: np.ndarray) -> list[Lack]:
 
 def _lack(family: str, foot: str, step: int, amount: float, detail: str) -> Lack:
     unit = _UNITS[family]
-    much = f"{amount * 100:.2g} cm" if unit == "m" and amount >= 1e-3 else f"{amount * 1000:.2g} mm" if unit == "m" else f"{amount:.3g} {unit}"
+    much = (
+        f"{amount * 100:.2g} cm"
+        if unit == "m" and amount >= 1e-3
+        else f"{amount * 1000:.2g} mm"
+        if unit == "m"
+        else f"{amount:.3g} {unit}"
+    )
     whose = f"{foot} foot, " + (f"step {step}, " if step else "first stance, ") if foot else "base, "
     return Lack(family, foot, step, amount, unit, f"{whose}{family} short by {much}" + (f" {detail}" if detail else ""))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -110,7 +111,7 @@ def samples_of(gait: Gait, step_s: float) -> tuple[int, ...]:
             f"needs one time more than there are modes, {len(gait.modes) + 1}, not {len(times)}",
             key="gait.switching_times_s",
         )
-    if times[0] != 0 or any(b <= a for a, b in zip(times, times[1:], strict=False)):
+    if times[0] != 0 or any(b <= a for a, b in pairwise(times)):
         raise InputError("needs times that ascend from 0", key="gait.switching_times_s")
     if times[-1] / step_s > _MOST_SAMPLES:
         raise InputError(
@@ -186,7 +187,7 @@ def _listed(text: str, name: str, path: Path) -> tuple[str, ...]:
     entries = re.findall(r"\[(\d{1,6})\]\s*(\S+)", block.group(1)) if block else []
     if not entries or [int(index) for index, _ in entries] != list(range(len(entries))):
         raise InputError(
-            f"needs a list `{name} {{ [0] ... [1] ... }}` with indices that count from 0; allowed are gait files as OCS2 "
+            f"needs a list `{name} {{ [0] ... [1] ... }}` with indices from 0; allowed are gait files as OCS2 "
             "users write them",
             source=path,
             key="gait",

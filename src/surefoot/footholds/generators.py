@@ -45,7 +45,7 @@ def misaligned(seed: int) -> Problem:
 
 
 def rebar(seed: int) -> Problem:
-    """Eight bars of 3 cm across the way, 0.14 to 0.19 m apart."""
+    """Eight bars of 3 cm across the way, 0.11 to 0.16 m apart; the goal is 0.6 m away."""
     return _rebar(seed, 0.0)
 
 
@@ -65,7 +65,9 @@ def step_down(seed: int) -> Problem:
     return _step(seed, up=False)
 
 
-def _problem(polygons: list[Polygon], *, feet: Array | None = None, goal_m: Array | None = None, start_z: float = _HEIGHT_M) -> Problem:
+def _problem(
+    polygons: list[Polygon], *, feet: Array | None = None, goal_m: Array | None = None, start_z: float = _HEIGHT_M
+) -> Problem:
     start, level = np.array([0.0, 0.0, start_z]), np.zeros(3)
     return Problem(
         robot=GO2,
@@ -114,8 +116,8 @@ def _rebar(seed: int, angle: float) -> Problem:
     bars, x = [], -_FRONT_M - 0.01
     for _ in range(8):
         bars.append(_rectangle(x * np.cos(angle), x * np.sin(angle), 0.03, 1.2, angle))
-        x += rng.uniform(0.14, 0.19)
-    return _problem(bars, feet=_feet_on(bars))
+        x += rng.uniform(0.11, 0.16)
+    return _problem(bars, feet=_feet_on(bars), goal_m=np.array([0.6, 0.0, _HEIGHT_M]))
 
 
 def _step(seed: int, *, up: bool) -> Problem:
@@ -155,7 +157,9 @@ def problem_of(family: str, seed: int) -> Problem:
     return FAMILIES[family](seed)
 
 
-def borderline(family: str, seed: int, feasible: Callable[[Problem], bool], *, steps: int = 10) -> tuple[Problem, Problem]:
+def borderline(
+    family: str, seed: int, feasible: Callable[[Problem], bool], *, steps: int = 10
+) -> tuple[Problem, Problem]:
     """Return two problems that differ by less than a millimetre of goal: the first feasible, the second not.
 
     Args:

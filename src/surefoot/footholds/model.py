@@ -1,11 +1,11 @@
 """The gait-fixed foothold program of Zhou et al. 2025, Eqs. (1)-(16), one function per block of equations.
 
-The functions speak of a ``Motion``: which quantities there are, and which of them are unknowns. Over the ``whole``
-motion every quantity of Eq. (2) is an unknown; over the ``reduced`` one (see ``reduction``) velocities and
+The functions speak of a ``Motion``: which quantities there are, and which are unknowns. Over the ``whole`` motion
+every quantity of Eq. (2) is an unknown; over the ``reduced`` one (see ``reduction``) velocities and
 accelerations are differences of positions, and what the equations pin is a number. Both are the same program.
 
-Corrections, all from the reading of the paper in docs/footholds.md: the feet are integrated like the base; (14) and (15)
-bound absolute values; (7) and (11) stand below the implication; a foot in its first stance is on the polygon that holds it.
+Corrections to the paper (see docs/footholds.md): the feet are integrated like the base; (14) and (15) bound absolute
+values; (7) and (11) stand below the implication; a foot in its first stance is on the polygon that holds it.
 Where a ``Choice`` leaves several polygons to a footstep the rows are those of their convex hull.
 """
 
@@ -178,7 +178,7 @@ def dynamics_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
     """Newton's law m rdd = sum f + m g at all samples, Eq. (3)."""
     mass = problem.robot.mass_kg
     pull = mass * gravity(problem)
-    terms = [(mass * np.asarray(factor), quantity) for factor, quantity in motion.base_acceleration]
+    terms: list[Term] = [(mass * np.asarray(factor), quantity) for factor, quantity in motion.base_acceleration]
     if motion.force is not None:
         terms += [(-1.0, motion.force[:, foot]) for foot in range(4)]
         build.add("dynamics", pull, pull, terms, where=(np.arange(problem.samples)[:, None], np.arange(3)))
@@ -292,7 +292,9 @@ def collision_rows(build: RowBuilder, problem: Problem, motion: Motion, choice: 
             samples = np.array(windows[window])
             point = motion.feet[samples, foot]
             terms = [(matrix[None, :, a], point[:, a][:, None]) for a in range(3)]
-            build.add("collision", -INF, bound, terms, where=(samples[:, None], number, np.arange(len(bound)), regions[0]))
+            build.add(
+                "collision", -INF, bound, terms, where=(samples[:, None], number, np.arange(len(bound)), regions[0])
+            )
 
 
 def support_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:

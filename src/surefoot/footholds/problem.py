@@ -150,7 +150,7 @@ class Problem:
 
     @cached_property
     def support_index(self) -> NDArray[np.int64]:
-        """For every sample and foot in contact the footstep it stands on, -1 the start foothold, -2 in swing; (N, 4)."""
+        """The footstep that a foot stands on at a sample, -1 for the start foothold, -2 in swing; shape (N, 4)."""
         index = np.where(self.contacts, -1, -2)
         for number, footstep in enumerate(self.footsteps):
             index[footstep.touch : footstep.leave, footstep.foot] = number
@@ -187,28 +187,42 @@ def nominal_feet(robot: Quadruped, position_m: Array, rpy_rad: Array) -> Array:
 
 
 def reach_span(problem: Problem) -> float:
-    """Return a distance that no two places of base and feet exceed, in any motion [m]."""
+    """Return a distance that no two places of base and feet exceed, in any motion [m].
+
+    Whatever is in contact stands on a polygon, and base and feet are within reach of each other; in flight the base
+    falls for as long as the longest flight lasts.
+    """
     points = np.concatenate(
         [*(one.vertices_m for one in problem.polygons), problem.feet_m, problem.start_m[None], problem.goal_m[None]]
     )
-    robot, horizon = problem.robot, problem.samples * problem.step_s
+    robot = problem.robot
     span = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
     arm = math.dist((0, 0, 0), robot.foot_reference_m) + math.dist((0, 0, 0), robot.foot_reach_m)
-    return span + 4 * arm + problem.gravity_mps2 * horizon**2
+    longest, current = 0, 0
+    for held in problem.contacts.any(axis=1).tolist():
+        current = 0 if held else current + 1
+        longest = max(longest, current)
+    return span + 4 * arm + problem.gravity_mps2 * (longest * problem.step_s) ** 2
 
 
 def impossible_cost(problem: Problem) -> float:
     """Return a cost that no motion reaches: whatever costs more is infeasible.
 
-    With D the largest distance between any two places that base or feet can take, accelerations are at most 4 D / dt^2,
-    and forces are bounded by the joint torques; the weighted squares of all that are added up.
+    With D the largest distance between any two places that base or feet can take, accelerations are at most 2 D / dt^2,
+    forces are bounded by the joint torques, angular accelerations by the base torque; the weighted squares of all that
+    are added up, twice for good measure.
     """
     robot, weights, reach = problem.robot, problem.weights, reach_span(problem)
-    rate = 4 * reach / problem.step_s**2
+    horizon = problem.samples * problem.step_s
+    rate = 2 * reach / problem.step_s**2
     pull = robot.mass_kg * (rate + problem.gravity_mps2)
     push = max(float(np.linalg.norm(np.linalg.inv(np.array(j)), 2)) for j in robot.jacobians) * math.dist(
         (0, 0, 0), robot.torque_max_nm
     )
-    swing = weights.position + 4 * weights.foot
-    squares = swing * reach**2 + (weights.acceleration + 4 * weights.foot_acceleration) * rate**2
-    return 10 * problem.samples * (squares + weights.force * (pull**2 + 4 * push**2))
+    spin = 2 * robot.base_torque_max_nm / min(robot.inertia_kgm2)
+    angle = float(np.abs(problem.rpy_reference_rad).max()) + spin * horizon**2
+    squares = (weights.position + 4 * weights.foot) * reach**2
+    squares += (weights.acceleration + 4 * weights.foot_acceleration) * rate**2
+    squares += weights.force * (pull**2 + 4 * push**2)
+    squares += 3 * weights.orientation * angle**2 + 3 * weights.angular_acceleration * spin**2
+    return 2 * problem.samples * squares

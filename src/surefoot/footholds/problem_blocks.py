@@ -71,12 +71,17 @@ class RegionBlock(Block):
 class OptionsBlock(Block):
     """Switches and limits."""
 
-    clearance_m: Annotated[float, Field(ge=0, le=2, description="height of swing feet above lift-off and touch-down")] = 0.05
+    clearance_m: Annotated[
+        float, Field(ge=0, le=2, description="height of swing feet above lift-off and touch-down")
+    ] = 0.05
     collision: Annotated[bool, Field(description="keep every foot in one free region per window")] = False
     collision_windows: Annotated[int, Field(ge=1, le=200)] = 30
-    moment_balance: Annotated[bool, Field(description="let forces turn the base, about levers of the reference")] = False
+    moment_balance: Annotated[bool, Field(description="let forces turn the base, about levers of the reference")] = (
+        False
+    )
     com_support_m: Annotated[
-        Positive | None, Field(description="largest distance of the base from the mean of three or more feet in contact")
+        Positive | None,
+        Field(description="largest distance of the base from the mean of three or more feet in contact"),
     ] = None
     pitch_keyframe: Annotated[bool, Field(description="let the reference pitch pass the slope half way")] = False
     gap: Annotated[float, Field(ge=1e-9, lt=1, description="relative gap at which the search stops")] = 1e-4
@@ -101,7 +106,8 @@ class ProblemBlock(Block):
     format: Annotated[Literal[1], Field(description="version of this format")]
     robot: Annotated[str, Field(min_length=1, max_length=4096, description="go2, chotu, or a robot file, relative")]
     gait: Annotated[
-        str | GaitBlock, Field(description="a name, a file, or {modes: [...], switching_times_s: [...]}", union_mode="left_to_right")
+        str | GaitBlock,
+        Field(description="a name, a file, or {modes: [...], switching_times_s: [...]}", union_mode="left_to_right"),
     ]
     step_s: Annotated[float, Field(ge=1e-3, le=1, description="time between samples")] = 0.025
     start: StartBlock

@@ -71,7 +71,9 @@ def read_robot(path: Path) -> Quadruped:
     robot = Quadruped(**values, source=str(path))
     if min(abs(float(np.linalg.det(np.array(j)))) for j in robot.jacobians) < _SINGULAR:
         raise InputError(
-            "stretches a leg so far that its Jacobian is singular; bend the knee", source=path, key="joint_reference_rad"
+            "stretches a leg so far that its Jacobian is singular; bend the knee",
+            source=path,
+            key="joint_reference_rad",
         )
     return robot
 
@@ -102,7 +104,9 @@ class _Reading:
             step_s=block.step_s,
             start_m=np.array(start.position_m),
             start_rpy_rad=np.array(start.rpy_rad),
-            feet_m=nominal_feet(robot, np.array(start.position_m), np.array(start.rpy_rad)) if feet is None else np.array(feet),
+            feet_m=nominal_feet(robot, np.array(start.position_m), np.array(start.rpy_rad))
+            if feet is None
+            else np.array(feet),
             goal_m=np.array(goal.position_m),
             goal_rpy_rad=np.array(goal.rpy_rad),
             polygons=tuple(one for one in polygons if one is not None),
@@ -124,7 +128,8 @@ class _Reading:
         if "\0" not in name and ("/" in name or "." in name) and path.is_file():
             return read_robot(path)
         self.complain(
-            f"there is no robot {name!r}; there are {', '.join(quadruped_names())}, or give the path of a robot file", "robot"
+            f"there is no robot {name!r}; there are {', '.join(quadruped_names())}, or give the path of a robot file",
+            "robot",
         )
         return None
 
@@ -138,7 +143,9 @@ class _Reading:
             elif "\0" not in given and (self.path.parent / given).is_file():
                 gait = read_gait(self.path.parent / given)
             else:
-                self.complain(f"there is no gait {given!r}; there are {', '.join(NAMED)}, or give the path of a gait file", "gait")
+                self.complain(
+                    f"there is no gait {given!r}; there are {', '.join(NAMED)}, or give the path of a gait file", "gait"
+                )
                 return None
             for mode in gait.modes:
                 mode_contacts(mode)
@@ -161,7 +168,10 @@ class _Reading:
         for number, region in enumerate(block.free_regions):
             if len(region.A) != len(region.b):
                 self.complain(
-                    f"needs as many bounds as A has rows, {len(region.A)}, not {len(region.b)}", "free_regions", number, "b"
+                    f"needs as many bounds as A has rows, {len(region.A)}, not {len(region.b)}",
+                    "free_regions",
+                    number,
+                    "b",
                 )
         if block.options.collision and not block.free_regions:
             self.complain("is true, which needs at least one of free_regions", "options", "collision")
@@ -172,12 +182,20 @@ class _Reading:
         reach = np.array(problem.robot.foot_reach_m)
         for foot, name in enumerate(FOOT_NAMES):
             loc: tuple[str | int, ...] = ("start", "feet_m", foot) if given else ("start",)
-            whose = f"the {name} foot at {_point(problem.feet_m[foot])}" + ("" if given else " (nominal, as feet_m is left out)")
-            off = problem.rotations[0].T @ (problem.feet_m[foot] - problem.start_m) - np.array(problem.robot.feet_m[foot])
+            whose = f"the {name} foot at {_point(problem.feet_m[foot])}" + (
+                "" if given else " (nominal, as feet_m is left out)"
+            )
+            off = problem.rotations[0].T @ (problem.feet_m[foot] - problem.start_m) - np.array(
+                problem.robot.feet_m[foot]
+            )
             if problem.start_polygons[foot] < 0:
-                self.complain(f"{whose} stands outside every polygon; it has to stand on one (within {_ON_M:g} m)", *loc)
+                self.complain(
+                    f"{whose} stands outside every polygon; it has to stand on one (within {_ON_M:g} m)", *loc
+                )
             elif (np.abs(off) > reach + _REACH_TOLERANCE_M).any():
-                self.complain(f"{whose} is out of reach of the base; allowed is {_point(reach)} m about its nominal place", *loc)
+                self.complain(
+                    f"{whose} is out of reach of the base; allowed is {_point(reach)} m about its nominal place", *loc
+                )
 
 
 def _point(values: Any) -> str:

@@ -10,11 +10,9 @@ import scipy.sparse as sp
 
 from surefoot.footholds.rows import Array, Cost, Rows
 
-IMPOSSIBLE = 1e12
-"""No motion within reach costs as much: a lower bound above this proves that there is none."""
-
 _LIMIT = 1e-30
 _FAR = 1e17
+_HIGH = 1e18
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,7 +24,7 @@ class QpAnswer:
         unknowns: the last iterate.
         value: its objective.
         multipliers: one per row, positive where the upper bound presses.
-        bound: a lower bound of the objective that ``multipliers`` prove; above ``IMPOSSIBLE`` they prove infeasibility.
+        bound: a lower bound of the objective that ``multipliers`` prove; above ``problem.impossible_cost`` they prove infeasibility.
         iterations: of the solver.
     """
 
@@ -46,7 +44,7 @@ def solve_qp(cost: Cost, rows: Rows, tolerance: float = 1e-9) -> QpAnswer:
         rows: equations are recognised by equal bounds; one-sided rows have infinite bounds.
         tolerance: absolute and relative, on residuals and duality gap.
     """
-    import piqp
+    import piqp  # type: ignore[import-untyped]
 
     equal = rows.equal
     solver: Any = piqp.SparseSolver()
@@ -57,7 +55,7 @@ def solve_qp(cost: Cost, rows: Rows, tolerance: float = 1e-9) -> QpAnswer:
     settings.eps_duality_gap_abs = 1e-3
     settings.eps_duality_gap_rel = 1e-9
     settings.max_iter = 120
-    settings.eps_primal_inf = 1e-11
+    settings.eps_primal_inf = 1e-12
     solver.setup(
         cost.hessian, cost.linear,
         _columns(rows.matrix[equal]), rows.lower[equal],
@@ -132,7 +130,7 @@ def scaled_ray(cost: Cost, rows: Rows, unknowns: Array, multipliers: Array) -> t
     gain = _press(rows, unknowns, multipliers)
     square = float(tilt @ (tilt / cost.curvature))
     cross = gain - float(slope @ (tilt / cost.curvature))
-    length = min(max(cross / max(square, _LIMIT), 0.0), 1e3 * IMPOSSIBLE / max(abs(gain), _LIMIT))
+    length = min(max(cross / max(square, _LIMIT), 0.0), _HIGH / max(abs(gain), _LIMIT))
     stretched = length * multipliers
     return stretched, lower_bound(cost, rows, unknowns, stretched)
 

@@ -75,7 +75,9 @@ class Rows:
 
     def pick(self, chosen: NDArray[np.bool_]) -> Rows:
         """Return some of the rows."""
-        return Rows(self.matrix[chosen], self.lower[chosen], self.upper[chosen], self.family[chosen], self.where[chosen])
+        return Rows(
+            self.matrix[chosen], self.lower[chosen], self.upper[chosen], self.family[chosen], self.where[chosen]
+        )
 
     def excess(self, unknowns: Array) -> Array:
         """Return by how much every row is violated; at most 0 where it holds."""

@@ -1,8 +1,8 @@
 """Branch and bound over the polygons (and free regions) that are left to every footstep (and window).
 
 A node is a ``Choice``; its program holds the convex hull of what is left, so that its value is a lower bound. A node is
-closed when its bound reaches the best plan, when its program is infeasible, or when nothing is left open in it. Bounds are certified by weak duality (``qp``), never taken from the solver. No decision depends on time, except
-to stop.
+closed when its bound reaches the best plan, when its program is infeasible, or when nothing is left open in it. Bounds
+are certified by weak duality (``qp``), never taken from the solver. No decision depends on time, except to stop.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ import numpy as np
 
 from surefoot.footholds.model import Choice, decided
 from surefoot.footholds.nodes import Node, Program
-from surefoot.footholds.problem import Problem
-from surefoot.footholds.qp import IMPOSSIBLE
+from surefoot.footholds.problem import Problem, impossible_cost
 from surefoot.footholds.rows import Array
 
 _INSIDE_M = 1e-7
@@ -105,6 +104,7 @@ class _Search:
         self.outcome = Outcome(Branch(root, -np.inf))
         self.tried: set[Choice] = set()
         self.closed = np.inf
+        self.impossible = impossible_cost(problem)
         self.windows = problem.windows() if problem.options.collision else ()
 
     def run(self, guesses: tuple[Choice, ...]) -> Outcome:
@@ -135,7 +135,7 @@ class _Search:
         if answer.bound >= branch.bound or branch.proof is None:
             branch.bound, branch.proof = max(answer.bound, branch.bound), branch
         if answer.feasible is False:
-            return self.close(branch, proved=answer.bound > min(self.outcome.value, IMPOSSIBLE))
+            return self.close(branch, proved=answer.bound > min(self.outcome.value, self.impossible))
         if branch.bound >= self.outcome.value * (1 - self.gap):
             return self.close(branch)
         if answer.feasible is None:
@@ -178,7 +178,7 @@ class _Search:
         self.offer(choice, self.solved(choice))
 
     def violated(self, choice: Choice, node: Node) -> tuple[int, Choice]:
-        """Return the place whose choices the solution obeys least, -1 if it obeys all, and the nearest decided choice."""
+        """Return the place whose choices the solution obeys least (-1: it obeys all), and the nearest decided choice."""
         worst, place, nearest = _INSIDE_M, -1, []
         for number, step in enumerate(self.problem.footsteps):
             point = node.feet[step.touch, step.foot]
@@ -201,7 +201,10 @@ class _Search:
     def window_excess(self, number: int, regions: tuple[int, ...], feet: Array) -> list[float]:
         foot, window = divmod(number, len(self.windows))
         points = feet[list(self.windows[window]), foot]
-        return [float((points @ matrix.T - bound).max()) for matrix, bound in map(self.problem.free_regions.__getitem__, regions)]
+        return [
+            float((points @ matrix.T - bound).max())
+            for matrix, bound in map(self.problem.free_regions.__getitem__, regions)
+        ]
 
     def split(self, branch: Branch, node: Node, place: int) -> list[Branch]:
         """Cut what is left at a place in two so that neither hull holds the solution, where that is possible."""
@@ -216,7 +219,9 @@ class _Search:
         beyond = [float(((self.problem.polygons[r].vertices_m - point) @ ahead).min()) > 1e-12 for r in left]
         if all(beyond) or not any(beyond):
             beyond = [index == nearest for index in range(len(left))]
-        groups = [tuple(r for r, is_beyond in zip(left, beyond, strict=True) if is_beyond is side) for side in (True, False)]
+        groups = [
+            tuple(r for r, is_beyond in zip(left, beyond, strict=True) if is_beyond is side) for side in (True, False)
+        ]
         return self.children(branch, place, groups)
 
     def split_off(self, branch: Branch, rounded: Choice) -> list[Branch]:

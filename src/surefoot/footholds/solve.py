@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.footholds.explain import Explanation, explain
+from surefoot.footholds.form import standard_form
 from surefoot.footholds.model import Choice
 from surefoot.footholds.nodes import Node, Program, ReducedProgram, WholeProgram
 from surefoot.footholds.orientation import Turning, turning
 from surefoot.footholds.plan import Plan, objective, plan_of, residuals, shared_forces
-from surefoot.footholds.form import standard_form
 from surefoot.footholds.problem import Problem, impossible_cost
 from surefoot.footholds.proof import Proof, proof_of
 from surefoot.footholds.pruning import reachable
@@ -133,7 +133,9 @@ class _Solving:
         if outcome.slack or self.limit is not None:
             return program, outcome
         self.nodes += outcome.nodes
-        self.notes.append("forces are kept as unknowns: shared equally, they leave a friction pyramid or a torque limit")
+        self.notes.append(
+            "forces are kept as unknowns: shared equally, they leave a friction pyramid or a torque limit"
+        )
         program = ReducedProgram(self.problem, forces=True)
         return program, self.search(program, root)
 

@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from surefoot.errors import BackendMissing
 from surefoot.footholds.form import FormAnswer, FormSolver, StandardForm
 from surefoot.footholds.qp import solve_qp
-from surefoot.footholds.rows import Array, RowBuilder, Quantity, stacked
+from surefoot.footholds.rows import Array, Quantity, RowBuilder, stacked
 
 _WHOLE = 1e-6
 

@@ -85,7 +85,8 @@ def polygon(vertices_m: Sequence[Sequence[float]], friction: float = 0.6) -> Pol
     """Return a polygon from its vertices, in either sense of rotation.
 
     Raises:
-        PolygonError: the vertices are fewer than three, not planar, not convex, cross themselves, enclose no area, or stand upright.
+        PolygonError: they are fewer than three, not planar, not convex, cross themselves, enclose no area, or stand
+            upright.
     """
     points = np.asarray(vertices_m, dtype=float)
     points = points[np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1) > 1e-9]

@@ -108,6 +108,14 @@ class SymbolicGame:
         helpless = self.environment.some(~self.system.some(transitions))
         return self.manager.conjoin(care, ~helpless)
 
+    def epre(self, transitions: Set) -> Set:
+        """Return from where the environment can force the next transition to be one of these.
+
+        Where it has no move at all it wins if such dead ends count against the system.
+        """
+        forced = self.environment.some(~self.system.some(~transitions))
+        return self.manager.unite(forced, ~self.can_go_on)
+
     def closed(self, states: Set) -> Set:
         """Return the greatest part of a set in which the system can stay for ever."""
         states = self.manager.conjoin(states, self.can_go_on)

@@ -59,3 +59,103 @@ class SynthesisAnswer:
     warnings: tuple[Vacuity, ...] = ()
     strategy: Transducer | None = None
     counter_strategy: Transducer | None = None
+
+
+def synthesize(
+    spec: Specification,
+    *,
+    semantics: Semantics = "slugs",
+    engine: EngineName = "auto",
+    env_dead_end: EnvDeadEnd = "wins",
+    deadline: Deadline = FOREVER,
+    node_limit: int | None = None,
+    realizability_only: bool = False,
+    backend: Backend = "oxidd",
+) -> SynthesisAnswer:
+    """Decide a specification, and return a strategy of whoever wins.
+
+    Args:
+        spec: the specification.
+        semantics: ``slugs``: for every initial input there is a good initial output; ``robotics``: every initial state is good.
+        engine: ``explicit``, ``symbolic``, or ``auto`` to choose by the number of reachable states.
+        env_dead_end: who wins where the environment has no move, the system ("wins") or not ("loses").
+        deadline: when to give up; the verdict is then unknown.
+        node_limit: the most decision diagram nodes alive at once.
+        realizability_only: no strategy.
+        backend: the decision diagram library.
+
+    Raises:
+        ValueError: for an unknown option.
+        BackendMissing: if the back end is not installed.
+    """
+    _check(semantics, engine, env_dead_end)
+    question = _Question(spec, semantics == "robotics", env_dead_end, deadline, node_limit, backend)
+    try:
+        return _answer(question, engine, realizability_only)
+    except LimitExceeded as limit:
+        return SynthesisAnswer(Verdict.unknown(str(limit)), engine if engine != "auto" else "symbolic", "")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Question:
+    spec: Specification
+    robotics: bool
+    env_dead_end: EnvDeadEnd
+    deadline: Deadline
+    node_limit: int | None
+    backend: Backend
+
+
+def _check(semantics: str, engine: str, env_dead_end: str) -> None:
+    for name, value, allowed in (
+        ("semantics", semantics, get_args(Semantics)),
+        ("engine", engine, get_args(EngineName)),
+        ("env_dead_end", env_dead_end, get_args(EnvDeadEnd)),
+    ):
+        if value not in allowed:
+            raise ValueError(f"{name} is one of {', '.join(allowed)}, not {value!r}")
+
+
+def _answer(question: _Question, engine: EngineName, realizability_only: bool) -> SynthesisAnswer:
+    from surefoot.games.attempts import watched
+
+    begin_s = time.process_time()
+    game = bit_game(question.spec)
+    answer = watched(lambda: _solve(question, game, realizability_only, begin_s), question.deadline)
+    return replace(answer, why_engine="it was asked for" if engine == "symbolic" else "the only one that applies")
+
+
+def _solve(question: _Question, game: BitGame, realizability_only: bool, begin_s: float) -> SynthesisAnswer:
+    from surefoot.games.attempts import attempt
+
+    solved, result = attempt(
+        game,
+        robotics=question.robotics,
+        env_dead_end=question.env_dead_end,
+        deadline=question.deadline,
+        backend=question.backend,
+        node_limit=question.node_limit,
+        keep_layers=not realizability_only,
+    )
+    wins = solved.wins_initially(result.winning, question.robotics)
+    solve_s = time.process_time() - begin_s
+    verdict: Verdict[str] = Verdict.true() if wins else Verdict.false("the environment wins from an initial state")
+    answer = SynthesisAnswer(verdict, "symbolic", "", solve_s=solve_s)
+    if realizability_only:
+        return answer
+    from surefoot.games.counter import environment_machine
+    from surefoot.games.machines import system_machine
+
+    solved.encoder.most_work = None
+    begin_s = time.process_time()
+    try:
+        if wins:
+            machine = system_machine(solved, result, robotics=question.robotics, deadline=question.deadline)
+            answer = replace(answer, strategy=machine)
+        else:
+            machine_or_none = environment_machine(solved, robotics=question.robotics, deadline=question.deadline)
+            answer = replace(answer, counter_strategy=machine_or_none)
+    except LimitExceeded as limit:
+        warning = Vacuity("no_strategy", f"no strategy was written out: {limit}")
+        answer = replace(answer, warnings=(*answer.warnings, warning))
+    return replace(answer, strategy_s=time.process_time() - begin_s)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 import statistics
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,44 +13,29 @@ import numpy as np
 
 from surefoot import __version__
 from surefoot.compute import sha256_of
-from surefoot.errors import AssumptionViolated, CertificateRejected, InputError
+from surefoot.errors import InputError
 from surefoot.frames import Foot
 from surefoot.missions.biped_scene import BipedScene, read_biped_scene
-from surefoot.missions.fine_steps import FineSteps
+from surefoot.missions.biped_walk import BipedWalk
 from surefoot.missions.obstacle_policies import (
     Adversary,
     Policy,
-    Situation,
-    legal_cells,
     random_policy,
     scripted_policy,
 )
-from surefoot.missions.plan_reader import BipedPlan, read_plan
+from surefoot.missions.plan_reader import read_plan
 from surefoot.missions.planning import reference
 from surefoot.missions.run_writer import RunWriter
-from surefoot.navigation import (
-    Action,
-    ObstacleState,
-    Order,
-    Rules,
-    apply_action,
-    order_context,
-    standing_start,
-)
 from surefoot.verify import Report, verify_path
 from surefoot.walking import (
     StepCommand,
     StepKind,
-    Unsafe,
-    WalkingState,
     WalkingStep,
     plan_step,
     standing_state,
 )
 
 POLICIES = ("random", "adversarial", "scripted")
-STANDING_TURN_S = 1.0
-"""How long a turn lasts in which the robot stays standing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +124,7 @@ def run_mission(
             policy=obstacle,
             steps=steps,
         )
-        walk = _Walk(scene, plan, policy, writer, steps, progress)
+        walk = BipedWalk(scene, plan, policy, writer, steps, progress)
         walk.run()
     progress("verifying the log")
     report = verify_path(out)
@@ -187,176 +171,3 @@ def _policy(name: str, scene: BipedScene, seed: int, script: Path | None) -> Pol
     if name == "random":
         return random_policy(seed)
     return Adversary(scene.coarse, scene.problem.domain, seed)
-
-
-class _Walk:
-    """One run: turns of the navigation game, each walked step by step."""
-
-    def __init__(
-        self,
-        scene: BipedScene,
-        plan: BipedPlan,
-        policy: Policy,
-        writer: RunWriter,
-        steps: int,
-        progress: Callable[[str], None],
-    ) -> None:
-        self.scene, self.plan, self.policy, self.writer = scene, plan, policy, writer
-        self.limit, self.progress = steps, progress
-        self.fine_steps = FineSteps(scene, plan.rules)
-        self.game_rules = Rules(scene.problem, scene.problem.domain)
-        self.cell, self.heading = scene.problem.start, scene.problem.heading
-        self.truth = list(scene.problem.obstacle_starts)
-        self.knowledge = self.game_rules.start()
-        self.goal = 0
-        self.goals_reached = [0] * len(scene.problem.goals)
-        self.fine = standing_start(plan.rules, *plan.fine_start, self.heading, 0)
-        place = self.fine_steps.waypoint_m(self.cell, self.fine)
-        yaw = self.fine_steps.yaw_rad(self.fine)
-        self.walking: WalkingState = standing_state(place, yaw, Foot.LEFT, scene.walking, scene.robot)
-        self.time_s, self.turn, self.steps = 0.0, -1, 0
-        self.unsafe_steps = self.turns_completed = self.corrections = self.alternating = 0
-        self.decision_ms: list[float] = []
-        self.notes: list[str] = []
-        self.halted = False
-
-    def run(self) -> None:
-        """Walk until the steps are used up, or no safe step is left."""
-        self._arrive()
-        idle = 0
-        while self.steps < self.limit and not self.halted:
-            before = self.steps
-            self.turn += 1
-            order = self._decide()
-            if not self._carry_out(order):
-                break
-            self._obstacles_move(order)
-            idle = 0 if self.steps > before else idle + 1
-            if idle > 1000:
-                self.notes.append("the robot waited for 1000 turns on end; the obstacle does not make way")
-                break
-        self.writer.write(
-            "end",
-            steps=self.steps,
-            turns_coarse=self.turn + 1,
-            goals_reached=self.goals_reached,
-            time_s=self.time_s,
-        )
-
-    def _arrive(self) -> None:
-        """Book a goal that the robot has come to."""
-        if self.cell == self.scene.problem.goals[self.goal]:
-            self.goals_reached[self.goal] += 1
-            self.progress(f"step {self.steps}: goal {self.goal} reached ({self.goals_reached[self.goal]})")
-        self.goal = self.plan.navigation.advance(self.goal, self.cell)
-
-    def _decide(self) -> Order:
-        """Ask the navigation strategy for an order, and log the turn."""
-        try:
-            order = self.plan.navigation.decide(self.cell, self.heading, self.knowledge, self.goal)
-        except KeyError as problem:
-            raise CertificateRejected("the navigation strategy has no order for where the robot is") from problem
-        grid, domain = self.scene.grid, self.game_rules.domain
-        self.writer.write(
-            "turn",
-            turn=self.turn,
-            time_s=self.time_s,
-            cell=list(grid.cell(self.cell)),
-            heading=self.heading.name.lower(),
-            goal=self.goal,
-            obstacles=[list(grid.cell(cell)) for cell in self.truth],
-            visible=[list(grid.cell(cell)) for cell in self.knowledge.visible],
-            hidden=[list(grid.cell(cell)) for cell in domain.members(self.knowledge.hidden)],
-            order=str(order),
-        )
-        return order
-
-    def _carry_out(self, order: Order) -> bool:
-        """Walk until the order is achieved; return False when the steps ran out or none was safe."""
-        coarse = self.scene.coarse
-        target = self.cell if order.waits else int(coarse.target[self.cell, order.direction])
-        context = order_context(coarse, self.cell, order)
-        self.fine = self.fine._replace(context=self.plan.rules.contexts.index(context))
-        achieved = False
-        while not achieved:
-            if self.steps >= self.limit:
-                return False
-            begin = time.perf_counter()
-            action = self.plan.action.decide(self.fine)
-            if action == Action.STAY:
-                self.time_s += STANDING_TURN_S
-                return True
-            step = plan_step(
-                self.walking, self.fine_steps.command(self.fine, action), self.scene.walking, self.scene.robot
-            )
-            self.decision_ms.append(1e3 * (time.perf_counter() - begin))
-            if isinstance(step, Unsafe):
-                self._halt(step)
-                return False
-            achieved = self._book(step, action, target)
-        if not order.waits:
-            self.cell, self.heading = target, order.direction
-            self._arrive()
-        return True
-
-    def _halt(self, unsafe: Unsafe) -> None:
-        """Log that no step is safe; the robot stops."""
-        self.unsafe_steps += 1
-        self.halted = True
-        self.notes.append(f"step {self.steps}: {unsafe.reason}")
-        self.writer.write("unsafe", step=self.steps, time_s=self.time_s, reason=unsafe.reason)
-
-    def _book(self, step: WalkingStep, action: int, target: int) -> bool:
-        """Log a step and give its outcome to the action game as the environment's move."""
-        before = self.fine
-        moved = apply_action(self.plan.rules.tables, before, action, step.sagittal_cells, step.lateral_cells)
-        self.writer.write(
-            "step",
-            step=self.steps,
-            turn=self.turn,
-            time_s=self.time_s + (step.rise_s or 0.0),
-            fine=before._asdict(),
-            action=action,
-            outcome={"sagittal": step.sagittal_cells, "lateral": step.lateral_cells},
-            **step.record(),
-        )
-        crossed = moved.achieved and action != Action.STOP
-        if not self.fine_steps.contains(target if crossed else self.cell, moved.state, step.next_waypoint_m):
-            raise CertificateRejected(f"step {self.steps} left the fine cell that the action game booked")
-        self.fine, self.walking = moved.state, step.next_state()
-        self.steps += 1
-        self.time_s += step.duration_s
-        self.turns_completed += (
-            bool(step.heading_change_rad) and moved.state.heading % self.plan.rules.tables.turn_steps == 0
-        )
-        self.corrections += step.lateral_cells != 0
-        self.alternating += step.sign_alternates
-        return moved.achieved
-
-    def _obstacles_move(self, order: Order) -> None:
-        """Let every obstacle move within its rules, and observe."""
-        cell_before = self._cell_before(order)
-        for number, truth in enumerate(self.truth):
-            legal = legal_cells(self.game_rules.domain, truth, cell_before, order)
-            situation = Situation(self.turn, cell_before, self.heading, order, truth, legal)
-            self.truth[number] = self.policy(situation)
-        outcomes = self.game_rules.outcomes(cell_before, self.cell, order, self.knowledge)
-        self.knowledge = self._observed(outcomes, cell_before)
-
-    def _cell_before(self, order: Order) -> int:
-        """Return the robot's cell at the beginning of a turn that has been carried out."""
-        if order.waits:
-            return self.cell
-        return self.scene.grid.index(self.scene.grid.cell(self.cell).neighbour(order.direction.opposite))
-
-    def _observed(self, outcomes: tuple[ObstacleState, ...], cell_before: int) -> ObstacleState:
-        """Return the outcome that matches what the robot sees of the true obstacles."""
-        domain = self.game_rules.domain
-        view = self.cell if self.scene.problem.view == "post" else cell_before
-        in_view = domain.seen_from[view]
-        visible = tuple(sorted(cell for cell in self.truth if in_view >> domain.bit[cell] & 1))
-        hidden = domain.mask(self.truth) & ~in_view
-        for state in outcomes:
-            if state.visible == visible and not hidden & ~state.hidden:
-                return state
-        raise AssumptionViolated("the obstacles moved in a way that the belief does not contain")

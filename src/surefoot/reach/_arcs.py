@@ -195,7 +195,7 @@ def screen_many(
     half_width: float,
     tube: tuple[float, float, float],
 ) -> Floats:
-    """Return, per transition, the velocities at the current apex between which the step may succeed (low > high: none)."""
+    """Return per transition between which velocities at the current apex it may succeed; low > high where none."""
     found = np.empty((lengths.size, 2))
     for n in range(lengths.size):
         s = Funnel(second.lower, second.upper, lengths[n], second.slowest, second.fastest)

@@ -85,7 +85,7 @@ def table_omega(tables: Tables, half: int, x: float, v: float, wish: float) -> f
 def _interpolated(values: Floats, tables: Tables, x: float) -> float:
     at = min(max((x - tables.x0) / tables.dx, 0.0), values.size - 1.000001)
     k = int(at)
-    return values[k] + (at - k) * (values[k + 1] - values[k])
+    return float(values[k] + (at - k) * (values[k + 1] - values[k]))
 
 
 @njit(cache=True)
@@ -97,18 +97,13 @@ def depth(tables: Tables, half: int, x: float, v: float) -> float:
 
 @njit(cache=True)
 def barrier_omega(tables: Tables, half: int, x: float, v: float, tau: float, wish: float) -> float:
-    """Return the omega after which the state is halfway between its barriers, or as near to that as can be.
-
-    Well inside, where a band about the middle is kept, the wish is followed as far as it stays in that band.
-    """
+    """Return the omega after which the state is halfway between its barriers, or as near to that as can be."""
     foot, least, most = tables.feet[half], tables.omegas[half, 0], tables.omegas[half, -1]
     xa, va = advance(x, v, foot, least, 0.0, 0.0, tau)
     xb, vb = advance(x, v, foot, most, 0.0, 0.0, tau)
     a, b = depth(tables, half, xa, va), depth(tables, half, xb, vb)
-    if abs(b - a) < 1e-9:
-        return min(max(wish, least), most)
-    middle = least + (0.5 - a) / (b - a) * (most - least)
-    return min(max(middle, least), most)
+    middle = wish if abs(b - a) < 1e-9 else least + (0.5 - a) / (b - a) * (most - least)
+    return float(min(max(middle, least), most))
 
 
 @njit(cache=True)

@@ -58,8 +58,8 @@ def capture_foot(switch_m: float, switch_velocity_mps: float, apex_velocity_mps:
     square = switch_velocity_mps**2 - apex_velocity_mps**2
     if square < 0 or switch_velocity_mps < 0:
         raise UnsafeStepError(
-            f"no foot leads from {switch_velocity_mps:.3f} m/s at the switch to {apex_velocity_mps:.3f} m/s at the apex; "
-            "at most the velocity at the switch can be kept"
+            f"no foot leads from {switch_velocity_mps:.3f} m/s at the switch to {apex_velocity_mps:.3f} m/s at the "
+            "apex; at most the velocity at the switch can be kept"
         )
     return switch_m + math.sqrt(square) / omega_radps
 

@@ -13,10 +13,9 @@ from typing import Literal
 import numpy as np
 
 from surefoot.reach.certificate import Certificate, certify
-from surefoot.reach.flows import Floats
 from surefoot.reach.lattice import Cells
 from surefoot.reach.simulation import Push, Trace, simulate
-from surefoot.reach.synthesis import HalfStep, Region, synthesize
+from surefoot.reach.synthesis import HalfStep, Region
 
 Half = Literal["first", "second"]
 

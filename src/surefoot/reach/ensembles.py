@@ -23,8 +23,8 @@ PUSH_RATES = (2.0, 5.0)
 PUSH_SAMPLE = 6
 TABLE_READING = (
     "the jump is one sample (tau) of an enlarged rate disturbance, uniform within 2 m/s and 5 m/s^2, from t = 6 tau of "
-    "the step on; starts are uniform in |x| <= 1 cm, 0.2 <= v <= 0.7 m/s and lie in the first half's region; success is a "
-    "sampled state in the target"
+    "the step on; starts are uniform in |x| <= 1 cm, 0.2 <= v <= 0.7 m/s and lie in the first half's region; success "
+    "is a sampled state in the target"
 )
 _SAMPLES = 120
 
@@ -101,7 +101,12 @@ def goal(region: Region) -> _walks.Goal:
 
 
 def walk_ensemble(
-    region: Region, starts: Floats, rates: Floats, jumps: Floats | None = None, law: Law = Law.TABLE
+    region: Region,
+    starts: Floats,
+    rates: Floats,
+    jumps: Floats | None = None,
+    law: Law = Law.TABLE,
+    tables: _walks.Tables | None = None,
 ) -> tuple[Ensemble, NDArray[np.int64]]:
     """Walk a step from many states.
 
@@ -111,13 +116,14 @@ def walk_ensemble(
         rates: disturbance rates per run and sample, (runs, samples, 2).
         jumps: jumps of the state at the begin of samples, the same shape; None means none.
         law: which omega is held.
+        tables: of the region, when they are at hand (``law_tables``).
 
     Returns:
         Counts, and how every run ended (codes of ``surefoot.reach._walks``).
     """
     jumps = np.zeros_like(rates) if jumps is None else jumps
     code = _walks.TABLE if law is Law.TABLE else _walks.BARRIER
-    ends, _ = _walks.walk_many(starts, rates, jumps, code, NOMINAL_OMEGA_RADPS, law_tables(region), goal(region))
+    ends, _ = _walks.walk_many(starts, rates, jumps, code, NOMINAL_OMEGA_RADPS, tables or law_tables(region), goal(region))
     counts = np.bincount(ends, minlength=5)
     return Ensemble(len(ends), *(int(n) for n in counts[:4])), ends
 
@@ -177,3 +183,53 @@ def _with_rates(settings: Settings) -> Settings:
         return settings
     calm = Disturbance(Reading.RATE, 0.0, 0.0)
     return Settings(calm, settings.tau_s, settings.grid, settings.omegas, settings.guard, settings.target_half_width_m)
+
+
+@dataclass(frozen=True, slots=True)
+class PushMap:
+    """Which share of pushed steps succeeds.
+
+    Attributes:
+        law: that walked them.
+        instants_s: of the push, since the begin of the step.
+        sizes_mps: of the push, a jump of velocity.
+        percent: (sizes, instants).
+    """
+
+    law: Law
+    instants_s: tuple[float, ...]
+    sizes_mps: tuple[float, ...]
+    percent: Floats
+
+
+def push_map(
+    region: Region,
+    sizes_mps: tuple[float, ...],
+    *,
+    samples: int = 30,
+    runs: int = 60,
+    seed: int = 0,
+    law: Law = Law.TABLE,
+) -> PushMap:
+    """Push steps from random starts by given velocity jumps at every sample, and count which succeed.
+
+    Args:
+        region: with all masks.
+        sizes_mps: jumps of velocity.
+        samples: the push comes at one of the first samples.
+        runs: steps per size and instant.
+        seed: of starts and small disturbances.
+        law: which omega is held.
+    """
+    rng = np.random.default_rng(seed)
+    starts = random_starts(region, runs, rng)
+    rates = small_rates(region.settings, (runs, _SAMPLES), rng)
+    tables = law_tables(region)
+    percent = np.empty((len(sizes_mps), samples))
+    for a, size in enumerate(sizes_mps):
+        for k in range(samples):
+            jumps = np.zeros_like(rates)
+            jumps[:, k, 1] = size
+            percent[a, k] = walk_ensemble(region, starts, rates, jumps, law, tables)[0].percent
+    instants = tuple(k * region.settings.tau_s for k in range(samples))
+    return PushMap(law, instants, sizes_mps, percent)

@@ -115,7 +115,8 @@ def between_manifolds(
 ) -> Cells:
     """Return the cells ahead of a foot that lie wholly between two tangent manifolds.
 
-    A tangent manifold of an apex velocity is v^2 = v_apex^2 + omega^2 (x - x_foot)^2. A cell is ahead when its centre is.
+    A tangent manifold of an apex velocity is v^2 = v_apex^2 + omega^2 (x - x_foot)^2. A cell is ahead when its
+    centre is.
     """
     left, right = cells.x_edges()
     lower, upper = cells.v_edges()
@@ -129,7 +130,7 @@ def between_manifolds(
 
 def _edges(first: float, step: float, count: int) -> tuple[Floats, Floats]:
     edges = first + step * (np.arange(count + 1) - 0.5)
-    return edges[:-1], edges[1:]
+    return np.asarray(edges[:-1], np.float64), np.asarray(edges[1:], np.float64)
 
 
 def _strictly_within(first: Fraction, step: Fraction, count: int, low: Fraction, high: Fraction) -> slice:

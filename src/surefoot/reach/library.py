@@ -151,8 +151,8 @@ def action_steps(
 ) -> tuple[LibraryStep, ...]:
     """Return the transitions of the action game: every length with its deviations, straight and turned, per window.
 
-    Stop and start are left out: they pass an apex velocity of 0.1 m/s, at the lower end of the grid. The stance foot after
-    a turn is taken at the desired dy2 of the walk.
+    Stop and start are left out: they pass an apex velocity of 0.1 m/s, at the lower end of the grid. The stance foot
+    after a turn is taken at the desired dy2 of the walk.
     """
     p = walking.parameters
     deviations = range(-p.sagittal_outcomes_cells, p.sagittal_outcomes_cells + 1)

@@ -188,7 +188,8 @@ class Transition:
         low, high = self.apex_velocity_mps
         if not (0 < low < high and math.isfinite(high)):
             raise InputError(
-                f"the window {low:g} .. {high:g} m/s is reversed, empty or not above 0; give LOW HIGH with 0 < LOW < HIGH",
+                f"the window {low:g} .. {high:g} m/s is reversed, empty or not above 0; "
+                "give LOW HIGH with 0 < LOW < HIGH",
                 key="apex-velocity",
             )
         if not abs(self.first_foot_m) < self.step_length_m:

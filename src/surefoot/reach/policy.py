@@ -9,11 +9,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 
 from surefoot.errors import InputError
 from surefoot.reach.winning_sets import GRAVITY_MPS2, KeyframeStep, initial_winning_set
+
+
+@lru_cache(maxsize=4096)
+def winning_set_size(step: KeyframeStep) -> int:
+    """Return how many cells the initial winning set of a step has."""
+    return initial_winning_set(step).size
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +44,7 @@ class KeyframePolicy:
     turn_rad: float = math.pi / 8
     step_length_m: float = 0.5
     apex_height_m: float = 1.0
-    size: Callable[[KeyframeStep], int] = field(default_factory=lambda: winning_set_size)
+    size: Callable[[KeyframeStep], int] = winning_set_size
 
     def demanded(self, height_change_m: float, heading_change_rad: float) -> float:
         """Return how large the initial winning set has to be [cells]."""
@@ -78,12 +84,6 @@ def robust_keyframe_policy(cruise_mps: float = 0.6, slowest_mps: float = 0.2) ->
     if not 0.1 <= slowest_mps < cruise_mps <= 1.0:
         raise InputError("the apex velocities have to obey 0.1 <= slowest < cruise <= 1.0 m/s")
     return KeyframePolicy(cruise_mps, slowest_mps)
-
-
-@lru_cache(maxsize=4096)
-def winning_set_size(step: KeyframeStep) -> int:
-    """Return how many cells the initial winning set of a step has."""
-    return initial_winning_set(step).size
 
 
 @dataclass(frozen=True, slots=True)

@@ -88,8 +88,8 @@ class Region:
             )
         if not self.second.masks.any():
             return (
-                "no omega brings any cell surely into the target within one sample: the disturbance and the growth of a "
-                f"cell over tau = {self.settings.tau_s:g} s are wider than the target"
+                "no omega brings any cell surely into the target within one sample: the disturbance and the growth of "
+                f"a cell over tau = {self.settings.tau_s:g} s are wider than the target"
             )
         if not self.first.target.any():
             return "the guard is empty: no state of the second half's region lies between the tangent manifolds"

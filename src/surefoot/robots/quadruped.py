@@ -74,8 +74,8 @@ class Quadruped:
 
 
 _SOURCE = (
-    "Zhou et al. 2025 (arXiv 2509.23185), Table II; links, hip offset and base torque: the numbers of the Unitree Go2 and "
-    "an assumption, as the paper is silent."
+    "Zhou et al. 2025 (arXiv 2509.23185), Table II. Links and hip offset: those of the Unitree Go2; base torque: an "
+    "assumption, as the paper is silent."
 )
 
 GO2 = Quadruped(
@@ -118,7 +118,9 @@ def quadruped(name: str) -> Quadruped:
     try:
         return _QUADRUPEDS[name]
     except KeyError:
-        raise InputError(f"there is no robot {name!r}; there are: {', '.join(quadruped_names())}", key="robot") from None
+        raise InputError(
+            f"there is no robot {name!r}; there are: {', '.join(quadruped_names())}", key="robot"
+        ) from None
 
 
 def quadruped_names() -> Sequence[str]:

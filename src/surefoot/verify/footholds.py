@@ -11,7 +11,7 @@ from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds_file import FootholdFile, read_foothold_plan
 from surefoot.verify.footholds_proof import proved_bound
 from surefoot.verify.footholds_reach import left_to_steps
-from surefoot.verify.footholds_rows import cost, violations
+from surefoot.verify.footholds_rows import cost, jacobians, references, violations
 
 RESIDUAL_MAX = 1e-6
 _CLOSE = 1e-6
@@ -94,19 +94,22 @@ def _check_refutation(plan: FootholdFile, ledger: Ledger) -> None:
 
 def impossible(plan: FootholdFile) -> float:
     """Return a cost that no motion of the problem reaches (docs/footholds.md)."""
-    from surefoot.verify.footholds_rows import jacobians
-
     values, robot = plan.values, plan.values["robot"]
     w = {name: float(x) for name, x in values["weights"].items()}
     g, dt, size, mass = plan.number("gravity_mps2"), plan.number("step_s"), len(plan.contacts), float(robot["mass_kg"])
     places = [corner for one in values["polygons"] for corner in one["vertices_m"]]
     places += [*values["start"]["feet_m"], values["start"]["position_m"], values["goal"]["position_m"]]
-    corners = np.array(places, dtype=float)
     arm = float(np.linalg.norm(robot["foot_reference_m"]) + np.linalg.norm(robot["foot_reach_m"]))
-    span = float(np.linalg.norm(np.ptp(corners, axis=0))) + 4 * arm + g * (size * dt) ** 2
-    rate = 4 * span / dt**2
+    flights = "".join("." if held else "x" for held in plan.contacts.any(axis=1).tolist()).split(".")
+    fall = g * (max(map(len, flights)) * dt) ** 2
+    span = float(np.linalg.norm(np.ptp(np.array(places, dtype=float), axis=0))) + 4 * arm + fall
+    rate = 2 * span / dt**2
     push = max(float(np.linalg.norm(np.linalg.inv(j), 2)) for j in jacobians(plan)) * float(
         np.linalg.norm(robot["torque_max_nm"])
     )
+    spin = 2 * float(robot["base_torque_max_nm"]) / min(robot["inertia_kgm2"])
+    angle = float(np.abs(references(plan)[1]).max()) + spin * (size * dt) ** 2
     squares = (w["position"] + 4 * w["foot"]) * span**2 + (w["acceleration"] + 4 * w["foot_acceleration"]) * rate**2
-    return 10 * size * (squares + w["force"] * ((mass * (rate + g)) ** 2 + 4 * push**2))
+    squares += w["force"] * ((mass * (rate + g)) ** 2 + 4 * push**2)
+    squares += 3 * w["orientation"] * angle**2 + 3 * w["angular_acceleration"] * spin**2
+    return float(2 * size * squares)

@@ -215,7 +215,7 @@ def tilted(
 
 class _Weigher:
     def __init__(self, lagrangian: Lagrangian, choice: list[tuple[int, ...]]) -> None:
-        self.l, self.plan, self.choice = lagrangian, lagrangian.plan, choice
+        self.lagrangian, self.plan, self.choice = lagrangian, lagrangian.plan, choice
         self.tilt = np.zeros(lagrangian.count)
         self.shift = 0.0
         self.problem = ""
@@ -230,12 +230,12 @@ class _Weigher:
         self.shift -= multiplier * limit
 
     def bodily(self, kept: dict[str, Any], turning: list[Any]) -> None:
-        l, plan, robot, options = self.l, self.plan, self.plan.values["robot"], self.plan.values["options"]
+        g, plan, robot, options = self.lagrangian, self.plan, self.plan.values["robot"], self.plan.values["options"]
         middle, span = nominal(plan), np.array(robot["foot_reach_m"], dtype=float)
         for i, j, a, _, m in kept.get("reach", []):
             i, j, a = int(i), int(j), int(a)
-            axis = l.turns[i][:, a]
-            index = np.concatenate([l.feet[i, j], l.base[i]])
+            axis = g.turns[i][:, a]
+            index = np.concatenate([g.feet[i, j], g.base[i]])
             self.press(index, np.concatenate([axis, -axis]), m, middle[j, a] + span[a], middle[j, a] - span[a])
         for i, number, side, _, m in kept.get("clearance", []):
             step = plan.steps[int(number)]
@@ -244,16 +244,16 @@ class _Weigher:
             if not step.lift + quarter <= i < step.touch - quarter:
                 self.problem = "a multiplier of clearance stands where there is no such row"
                 return
-            index = [l.feet[int(i), step.foot, 2], l.feet[ground, step.foot, 2]]
-            self.press(index, [1.0, -1.0], m, np.inf, float(options["clearance_m"]))
+            pair = [g.feet[int(i), step.foot, 2], g.feet[ground, step.foot, 2]]
+            self.press(pair, [1.0, -1.0], m, np.inf, float(options["clearance_m"]))
         for i, a, _, _, m in kept.get("support", []):
             held = np.flatnonzero(plan.contacts[int(i)])
             if len(held) < 3:
                 self.problem = "a multiplier of support stands where there is no such row"
                 return
-            index = [l.base[int(i), int(a)], *l.feet[int(i), held, int(a)]]
+            places = [g.base[int(i), int(a)], *g.feet[int(i), held, int(a)]]
             limit = float(options["com_support_m"])
-            self.press(index, [1.0, *[-1.0 / len(held)] * len(held)], m, limit, -limit)
+            self.press(places, [1.0, *[-1.0 / len(held)] * len(held)], m, limit, -limit)
         for i, number, row, region, m in kept.get("collision", []):
             self._free(int(i), int(number), int(row), int(region), m)
         rows = [(i, a, m) for i, a, m in turning] + [(i, a, m) for i, a, _, _, m in kept.get("base torque", [])]
@@ -262,9 +262,9 @@ class _Weigher:
             i, a = int(i), int(a)
             if i == 0:
                 continue
-            index = [l.angle[i, a], l.angle[i - 1, a], l.angle[max(i - 2, 0), a]]
+            turns = [g.angle[i, a], g.angle[i - 1, a], g.angle[max(i - 2, 0), a]]
             factors = np.array([1.0, -2.0, 1.0] if i > 1 else [1.0, -1.0, 0.0]) / dt**2
-            self.press(index, float(robot["inertia_kgm2"][a]) * factors, m, limit, -limit)
+            self.press(turns, float(robot["inertia_kgm2"][a]) * factors, m, limit, -limit)
 
     def _free(self, i: int, number: int, row: int, region: int, m: float) -> None:
         parts = windows(self.plan)
@@ -273,13 +273,13 @@ class _Weigher:
             self.problem = "a multiplier of collision stands where that region is not the only one left"
             return
         given = self.plan.values["free_regions"][region]
-        self.press(self.l.feet[i, foot], given["A"][row], m, float(given["b"][row]), -np.inf)
+        self.press(self.lagrangian.feet[i, foot], given["A"][row], m, float(given["b"][row]), -np.inf)
 
     def footholds(self, rows: list[Any]) -> None:
         for number, *vector in rows:
             step, c = self.plan.steps[int(number)], np.array(vector, dtype=float)
-            corners = np.concatenate([self.l.ground[r].corners for r in self.choice[int(number)]])
-            np.add.at(self.tilt, self.l.feet[step.touch, step.foot], c)
+            corners = np.concatenate([self.lagrangian.ground[r].corners for r in self.choice[int(number)]])
+            np.add.at(self.tilt, self.lagrangian.feet[step.touch, step.foot], c)
             self.shift -= float((corners @ c).max())
 
     def forces(self, friction: list[Any], torque: list[Any]) -> None:
@@ -289,14 +289,14 @@ class _Weigher:
         most_n = max(float(np.linalg.norm(np.linalg.inv(arm), 2)) for arm in arms) * float(np.linalg.norm(limits))
         for i, j, a, _, m in torque:
             i, j, a = int(i), int(j), int(a)
-            self.press(self.l.force[i, j], arms[j][:, a], m, float(limits[a]), -float(limits[a]))
+            self.press(self.lagrangian.force[i, j], arms[j][:, a], m, float(limits[a]), -float(limits[a]))
         for i, j, *vector in friction:
             i, j, c = int(i), int(j), np.array(vector, dtype=float)
             on = [k for k, step in enumerate(plan.steps) if step.foot == j and step.touch <= i < step.leave]
-            ids = self.choice[on[0]] if on else (start_surface(plan, self.l.ground, j),)
+            ids = self.choice[on[0]] if on else (start_surface(plan, self.lagrangian.ground, j),)
             if not plan.contacts[i, j]:
                 self.problem = "a multiplier of friction stands in swing"
                 return
-            worst = max(float((self.l.ground[r].rays() @ c).max()) for r in ids)
-            np.add.at(self.tilt, self.l.force[i, j], c)
+            worst = max(float((self.lagrangian.ground[r].rays() @ c).max()) for r in ids)
+            np.add.at(self.tilt, self.lagrangian.force[i, j], c)
             self.shift -= max(worst, 0.0) * most_n

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from surefoot.verify.footholds_file import Array, FootholdFile
@@ -11,7 +13,7 @@ _EPS_M = 1e-9
 
 
 def left_to_steps(plan: FootholdFile) -> list[tuple[int, ...]] | None:
-    """Return the polygons that every footstep may reach; None when some step, or the base somewhere, has no place at all.
+    """Return the polygons that every footstep may reach; None when a step, or the base somewhere, has no place at all.
 
     In contact, and at the last swing sample before it, foot and base keep each other in the box of Eq. (16), taken here
     with its sides parallel to the world's axes.
@@ -23,7 +25,7 @@ def left_to_steps(plan: FootholdFile) -> list[tuple[int, ...]] | None:
     low, high = np.full((size, 3), -np.inf), np.full((size, 3), np.inf)
     low[0] = high[0] = np.array(values["start"]["position_m"], dtype=float)
     low[-2:] = high[-2:] = np.array(values["goal"]["position_m"], dtype=float)
-    stays: list[tuple[int, Array, list[int] | None, Array, Array]] = []
+    stays: list[tuple[int, Any, list[int] | None, Any, Any]] = []
     for foot in range(4):
         lifts = [step.lift for step in plan.steps if step.foot == foot]
         swings = np.flatnonzero(~plan.contacts[:, foot])
@@ -48,10 +50,8 @@ def left_to_steps(plan: FootholdFile) -> list[tuple[int, ...]] | None:
                 if not kept:
                     return None
                 corners = np.concatenate([ground[r].corners for r in kept])
-                tight_low = min_over(ground, kept, 0)
-                tight_high = min_over(ground, kept, 1)
-                assert len(corners)
-                least, most = np.maximum(least, tight_low - _EPS_M), np.minimum(most, tight_high + _EPS_M)
+                least = np.maximum(least, corners.min(axis=0) - _EPS_M)
+                most = np.minimum(most, corners.max(axis=0) + _EPS_M)
             low[samples] = np.maximum(low[samples], least - arm[samples, foot] - half[samples])
             high[samples] = np.minimum(high[samples], most - arm[samples, foot] + half[samples])
             if (low[samples] > high[samples] + _EPS_M).any():
@@ -61,12 +61,6 @@ def left_to_steps(plan: FootholdFile) -> list[tuple[int, ...]] | None:
         if settled and before == [kept for _, _, kept, _, _ in stays]:
             break
     return [tuple(kept) for _, _, kept, _, _ in stays if kept is not None]
-
-
-def min_over(ground: list, kept: list[int], end: int) -> Array:
-    """Return the lowest (0) or highest (1) corner coordinates of some polygons."""
-    corners = np.concatenate([ground[r].corners for r in kept])
-    return corners.min(axis=0) if end == 0 else corners.max(axis=0)
 
 
 def _touches(corners: Array, normal: Array, least: Array, most: Array) -> bool:

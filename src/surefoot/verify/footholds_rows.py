@@ -5,6 +5,7 @@ A transcription of docs/footholds.md of its own: plain arrays, no matrices of ro
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -158,7 +159,7 @@ def _motion_laws(plan: FootholdFile) -> dict[str, float]:
     )
     integration = 0.0
     for chain in chains:
-        for low, high in zip(chain, chain[1:], strict=False):
+        for low, high in pairwise(chain):
             integration = max(integration, float(np.abs(a[low][1:] - a[low][:-1] - dt * a[high][1:]).max()))
     gravity = np.array([0.0, 0.0, -plan.number("gravity_mps2")])
     mass = float(robot["mass_kg"])

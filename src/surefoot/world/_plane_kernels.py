@@ -228,8 +228,8 @@ def claim_edges(
         open_: cells that may be given.
         tolerance: largest distance from the plane.
         rounds: how many cells deep.
-        neighbours: with 1, a side neighbour in the region is enough; else so many of the 8 have to be in it (one more
-            for a cell without a height).
+        neighbours: with 1, a side neighbour in the region is enough; else so many of the 8 have to be in it; one more
+            for a cell without a height, three more when something high stands beside it.
     """
     rows, columns = z.shape
     old = labels.copy()
@@ -251,7 +251,10 @@ def claim_edges(
                             miss = abs(z[r, c] - planes[label, 0] - planes[label, 1] * c - planes[label, 2] * r)
                         elif neighbours == 1:
                             continue
-                        needed = neighbours + (1 if np.isnan(z[r, c]) else 0)
+                        needed = neighbours
+                        if np.isnan(z[r, c]):
+                            plane = planes[label, 0] + planes[label, 1] * c + planes[label, 2] * r
+                            needed += 3 if _overlooked(z, r, c, plane + 3.0 * tolerance) else 1
                         if miss > best or (neighbours > 1 and _alike(old, r, c, label) < needed):
                             continue
                         best, choice = miss, label
@@ -262,6 +265,16 @@ def claim_edges(
         if not changed:
             break
     return new
+
+
+@njit(cache=True)
+def _overlooked(z: Floats, r: int, c: int, level: float) -> bool:
+    """Return whether a neighbour is higher than a level."""
+    for i in range(max(r - 1, 0), min(r + 2, z.shape[0])):
+        for j in range(max(c - 1, 0), min(c + 2, z.shape[1])):
+            if z[i, j] > level:
+                return True
+    return False
 
 
 @njit(cache=True)

@@ -122,6 +122,7 @@ def read_elevation(
     layer: str | None = None,
     topic: str | None = None,
     message: int = -1,
+    no_data: int | None = None,
 ) -> ElevationMap:
     """Read heights from a picture, an array file or a bag with grid maps.
 
@@ -133,6 +134,7 @@ def read_elevation(
         layer: of a grid map (default ``elevation``), or the name of an array in an npz file.
         topic: of a bag; may be left out when only one carries grid maps.
         message: which message on that topic; negative numbers count from the last.
+        no_data: the grey level of a picture that means that nothing was measured.
 
     Raises:
         InputError: the file cannot be used; one sentence that says why and what is allowed.
@@ -140,6 +142,8 @@ def read_elevation(
     from surefoot.world import elevation_bags, elevation_files
 
     suffix = path.suffix.lower()
+    if no_data is not None and suffix not in PICTURES:
+        raise InputError("is only allowed for pictures", source=path, key="no-data")
     if path.is_dir() or suffix in BAGS:
         for given, name in ((resolution_m, "resolution"), (height_range_m, "height-range")):
             if given is not None:
@@ -154,7 +158,7 @@ def read_elevation(
     if suffix in PICTURES:
         if layer is not None:
             raise InputError("is only allowed for bags and npz files", source=path, key="layer")
-        return elevation_files.read_picture(path, resolution_m, height_range_m, origin_m)
+        return elevation_files.read_picture(path, resolution_m, height_range_m, origin_m, no_data)
     if not path.exists():
         raise InputError("there is no such file", source=path)
     allowed = ", ".join((*PICTURES, *ARRAYS, *BAGS))

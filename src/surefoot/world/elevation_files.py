@@ -19,11 +19,15 @@ Range = tuple[float, float]
 
 
 def read_picture(
-    path: Path, resolution_m: float | None, height_range_m: Range | None, origin_m: tuple[float, float]
+    path: Path,
+    resolution_m: float | None,
+    height_range_m: Range | None,
+    origin_m: tuple[float, float],
+    no_data: int | None = None,
 ) -> ElevationMap:
     """Read a grey picture: black is the lower end of the height range, white the upper one.
 
-    Pixels that are less than half opaque hold no data. 8 and 16 bits are told apart by the file.
+    Pixels that are less than half opaque, or of the grey level ``no_data``, hold no data. 8 and 16 bits are told apart by the file.
     """
     if resolution_m is None:
         raise _required("resolution", path, "metres per pixel")
@@ -36,14 +40,34 @@ def read_picture(
     grey, hidden = _grey(values, path)
     white = 255.0 if values.dtype == np.uint8 else 65535.0
     low, high = height_range_m
+    notes = [] if no_data is not None else _suspicious(grey[~hidden])
+    if no_data is not None:
+        hidden = hidden | (grey == no_data)
     heights = low + grey / white * (high - low)
     heights[hidden] = np.nan
-    notes = []
     step_m = (high - low) / white
     if step_m > 0.01:
         notes.append(f"one grey level is {step_m * 1000:.0f} mm; heights are no finer than that")
-    reading = {"as": "picture", "resolution_m": resolution_m, "height_range_m": [low, high], "origin_m": list(origin_m)}
+    reading: dict[str, object] = {
+        "as": "picture",
+        "resolution_m": resolution_m,
+        "height_range_m": [low, high],
+        "origin_m": list(origin_m),
+        "no_data": no_data,
+    }
     return elevation_map(heights, resolution_m, origin_m, source=path, reading=reading, notes=tuple(notes))
+
+
+def _suspicious(grey: NDArray[np.float64]) -> list[str]:
+    """Return a warning when black looks like a mark for missing data: it is common, and no level is near it."""
+    black = grey == 0
+    others = grey[~black]
+    if not others.size or black.mean() < 0.01 or others.min() < 10:
+        return []
+    return [
+        f"{black.mean():.0%} of the pixels are black and the next level is {others.min():.0f}; if black means that "
+        "nothing was measured, say --no-data 0, else it is ground at the lower end of the range"
+    ]
 
 
 def _grey(values: NDArray[np.generic], path: Path) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surefoot.errors import InputError
 from surefoot.world.elevation import ElevationMap
 from surefoot.world.narrow_things import NarrowThing
 from surefoot.world.segmentation import CellClass, SegmentOptions
@@ -308,9 +307,3 @@ def _strip(thing: NarrowThing, options: SegmentOptions) -> TerrainPolygon | None
     normal = (-float(gradient[0]) * scale, -float(gradient[1]) * scale, scale)
     offset_m = float(np.dot(normal, start))
     return _lifted(outline, normal, offset_m, options.friction, -1)
-
-
-def check_not_empty(terrain: Terrain, source: object) -> None:
-    """Raise InputError when a terrain holds nothing to stand on."""
-    if not terrain.polygons:
-        raise InputError(f"{source}: no ground is large, even and flat enough to stand on")

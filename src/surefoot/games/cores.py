@@ -1,0 +1,140 @@
+"""Minimal unrealizable cores: lines of the system that cannot be kept together, each of them needed.
+
+Delta debugging by halves. Since fewer promises are easier to keep, a set inside one that can be kept can be kept, and
+a set around one that cannot be kept cannot; both are remembered, so that most questions are answered without solving.
+
+Source: Zeller and Hildebrandt, IEEE TSE 28, 2002; Firman, Maoz and Ringert, Acta Informatica 57, 2020.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
+
+from surefoot.compute import Deadline
+from surefoot.errors import LimitExceeded
+from surefoot.games.solution import FOREVER, EnvDeadEnd
+from surefoot.logic.syntax import Conjunct, Specification
+from surefoot.verdict import Answer
+
+_T = TypeVar("_T")
+
+
+def unrealizable_core(
+    specification: Specification,
+    *,
+    semantics: str = "slugs",
+    engine: str = "auto",
+    env_dead_end: EnvDeadEnd = "wins",
+    deadline: Deadline = FOREVER,
+) -> tuple[Conjunct, ...]:
+    """Return a minimal set of lines of the system that make a specification unrealizable.
+
+    With these lines alone it is unrealizable, and without any one of them it is realizable. Limits of integers and
+    all lines of the environment stay in force. With robotics semantics SYS_INIT stays too, for there it is an
+    assumption. The core is empty where the environment wins whatever the system promises.
+
+    Args:
+        specification: an unrealizable one.
+        semantics: ``slugs`` or ``robotics``.
+        engine: as for ``synthesize``.
+        env_dead_end: as for ``synthesize``.
+        deadline: when to give up.
+
+    Raises:
+        LimitExceeded: once the deadline has passed.
+        ValueError: the specification is realizable.
+    """
+    from surefoot.games.synthesis import synthesize
+
+    candidates = specification.system_safety + specification.sys_liveness
+    if semantics == "slugs":
+        candidates = specification.sys_init + candidates
+
+    def unrealizable(kept: tuple[Conjunct, ...]) -> bool:
+        deadline.check("searching for an unrealizable core")
+        answer = synthesize(
+            keeping(specification, kept, candidates),
+            semantics=semantics,  # type: ignore[arg-type]
+            engine=engine,  # type: ignore[arg-type]
+            env_dead_end=env_dead_end,
+            deadline=deadline,
+            realizability_only=True,
+        ).verdict
+        if answer.answer is Answer.UNKNOWN:
+            raise LimitExceeded(f"searching for an unrealizable core: {answer.limit}")
+        return answer.answer is Answer.FALSE
+
+    memory = Memory(unrealizable)
+    if not memory.holds(candidates):
+        raise ValueError("the specification is realizable: it has no unrealizable core")
+    return minimal(candidates, memory.holds)
+
+
+def keeping(
+    specification: Specification, kept: tuple[Conjunct, ...], candidates: tuple[Conjunct, ...]
+) -> Specification:
+    """Return a specification without those candidates that are not kept."""
+    dropped = {id(conjunct) for conjunct in candidates} - {id(conjunct) for conjunct in kept}
+
+    def left(conjuncts: tuple[Conjunct, ...]) -> tuple[Conjunct, ...]:
+        return tuple(conjunct for conjunct in conjuncts if id(conjunct) not in dropped)
+
+    return replace(
+        specification,
+        sys_init=left(specification.sys_init),
+        sys_trans=left(specification.sys_trans),
+        sys_trans_hard=left(specification.sys_trans_hard),
+        sys_liveness=left(specification.sys_liveness),
+    )
+
+
+@dataclass(slots=True)
+class Memory:
+    """Answers a monotone question about sets, from earlier answers where they tell.
+
+    Attributes:
+        ask: whether it holds for a set; it then holds for every larger one.
+        asked: how often ``ask`` was called.
+    """
+
+    ask: Callable[[tuple[Conjunct, ...]], bool]
+    asked: int = 0
+    _yes: list[frozenset[int]] = field(default_factory=list)
+    _no: list[frozenset[int]] = field(default_factory=list)
+
+    def holds(self, kept: tuple[Conjunct, ...]) -> bool:
+        """Return the answer for a set."""
+        names = frozenset(map(id, kept))
+        if any(names >= known for known in self._yes):
+            return True
+        if any(names <= known for known in self._no):
+            return False
+        self.asked += 1
+        answer = self.ask(kept)
+        (self._yes if answer else self._no).append(names)
+        return answer
+
+
+def minimal(items: tuple[_T, ...], holds: Callable[[tuple[_T, ...]], bool]) -> tuple[_T, ...]:
+    """Return a minimal subset for which a monotone question still holds; large pieces are left out first.
+
+    Args:
+        items: a set for which it holds.
+        holds: whether it holds for a set; it then holds for every larger one.
+    """
+    if holds(()):
+        return ()
+    size = max(1, len(items) // 2)
+    while True:
+        place = 0
+        while place < len(items):
+            shorter = items[:place] + items[place + size :]
+            if len(items) > 1 and holds(shorter):
+                items = shorter
+            else:
+                place += size
+        if size == 1:
+            return items
+        size = max(1, size // 2)
