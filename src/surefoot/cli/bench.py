@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from surefoot.cli.bench_regions import answer_table_1, region_figures
 from surefoot.cli.output import AsJson, answer, progress
 
 if TYPE_CHECKING:
@@ -21,6 +22,11 @@ class Which(StrEnum):
     NAVIGATION = "navigation"
     ACTION = "action"
     MISSION = "mission"
+    FOOTHOLDS = "footholds"
+    REGIONS = "regions"
+    TERRAIN = "terrain"
+    TABLE1 = "table1"
+    SYNTHESIS = "synthesis"
 
 
 def bench(
@@ -38,7 +44,27 @@ def bench(
     from surefoot.missions.benchmarks import benchmarks
 
     with progress() as say:
-        figures = benchmarks(which.value, say)
+        if which is Which.TABLE1:
+            answer_table_1(say, as_json=as_json)
+        figures = (
+            ()
+            if which in {Which.FOOTHOLDS, Which.REGIONS, Which.TERRAIN, Which.SYNTHESIS}
+            else benchmarks(which.value, say)
+        )
+        if which in {Which.REGIONS, Which.ALL}:
+            figures += tuple(region_figures(say))
+        if which in {Which.FOOTHOLDS, Which.ALL}:
+            from surefoot.cli.bench_footholds import foothold_figures
+
+            figures += tuple(foothold_figures(say))
+        if which in {Which.TERRAIN, Which.ALL}:
+            from surefoot.cli.bench_terrain import terrain_figures
+
+            figures += tuple(terrain_figures(say))
+        if which in {Which.SYNTHESIS, Which.ALL}:
+            from surefoot.cli.bench_synthesis import synthesis_figures
+
+            figures += tuple(synthesis_figures(say))
     met = all(figure.met is not False for figure in figures)
     answer({"figures": figures, "met": met}, _table(figures), yes=met, as_json=as_json)
 

@@ -19,6 +19,7 @@ from surefoot.cli import (
     scenario,
     simulate,
     synth,
+    terrain,
     verify,
     view,
 )
@@ -75,5 +76,6 @@ app.command("export")(export.export)
 app.command("demo")(demo.demo)
 app.command("reach")(reach.reach)
 app.add_typer(footholds.app, name="footholds")
+app.add_typer(terrain.app, name="terrain")
 app.command("bench")(bench.bench)
 app.command("doctor")(doctor.doctor)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -29,7 +30,46 @@ from surefoot.cli.output import AsJson, jsonable, progress
 from surefoot.verdict import Answer
 
 if TYPE_CHECKING:
-    from surefoot.logic import Conjunct
+    from surefoot.games.synthesis import SynthesisAnswer
+    from surefoot.logic import Conjunct, Specification
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How specifications are to be solved."""
+
+    semantics: Semantics
+    engine: EngineName
+    env_dead_end: DeadEnd
+    time_limit: float | None
+    node_limit: int | None
+
+    def solve(self, specification: Specification, *, realizability_only: bool = False) -> SynthesisAnswer:
+        """Solve a specification."""
+        return solve(
+            specification,
+            semantics=self.semantics,
+            engine=self.engine,
+            env_dead_end=self.env_dead_end,
+            time_limit=self.time_limit,
+            node_limit=self.node_limit,
+            realizability_only=realizability_only,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Explained:
+    """Why a specification is unrealizable.
+
+    Attributes:
+        core: lines that cannot be kept together.
+        play: how the environment wins, see ``play_in_words``.
+        limit: what kept the core from being found.
+    """
+
+    core: tuple[Conjunct, ...] = ()
+    play: dict[str, object] | None = None
+    limit: str | None = None
 
 
 def explain(
@@ -54,34 +94,22 @@ def explain(
     Exit code 0: realizable; 1: unrealizable, and explained; 2: the
     specification cannot be used; 3: a limit was reached.
     """
-    from surefoot.cli.play_in_words import play_object, play_words
-    from surefoot.compute import Deadline
-    from surefoot.games import unrealizable_core
+    from surefoot.cli.play_in_words import play_words
     from surefoot.logic import read_specification
 
     specification = read_specification(spec)
-    core: tuple[Conjunct, ...] = ()
-    play: dict[str, object] | None = None
+    options = Options(semantics, engine, env_dead_end, time_limit, node_limit)
+    explained = Explained()
     with progress() as say:
         say(f"solving {spec.name}")
-        solved = solve(
-            specification,
-            semantics=semantics,
-            engine=engine,
-            env_dead_end=env_dead_end,
-            time_limit=time_limit,
-            node_limit=node_limit,
-        )
+        solved = options.solve(specification, realizability_only=True)
         if solved.verdict.answer is Answer.FALSE:
             say("searching for the lines responsible")
-            core = unrealizable_core(
-                specification,
-                semantics=semantics.value,
-                env_dead_end=env_dead_end.value,
-                deadline=Deadline.after(time_limit),
-            )
-        if solved.counter_strategy is not None:
-            play = play_object(specification, solved.counter_strategy)
+            explained = _explained(specification, options)
+        elif solved.verdict.answer is Answer.TRUE:
+            say("looking for vacuity")
+            solved = options.solve(specification)
+    core, play = explained.core, explained.play
     verdict = WORDS[solved.verdict.answer]
     if as_json:
         found = {
@@ -89,14 +117,55 @@ def explain(
             "core": [conjunct_object(conjunct) for conjunct in core],
             "play": play,
             "warnings": warning_objects(solved.warnings),
-            "limit": solved.verdict.limit,
+            "limit": solved.verdict.limit or explained.limit,
         }
         print(json.dumps(jsonable(found)))
     else:
         lines = [f"{spec}: {verdict}" + (f" ({solved.verdict.limit})" if solved.verdict.limit else "")]
         if core:
             lines += ["", "Lines that cannot be kept together:", *(f"  {conjunct_line(c)}" for c in core)]
+        if explained.limit:
+            lines.append(f"  {explained.limit}")
         if play is not None:
             lines += ["", "How the environment wins:", *play_words(specification, play)]
         print("\n".join([*lines, *warning_lines(solved.warnings)]))
     raise typer.Exit(int(CODES[solved.verdict.answer]))
+
+
+def _explained(specification: Specification, options: Options) -> Explained:
+    """Return a core, and a play against a system that promises no more than the core."""
+    from surefoot.cli.play_in_words import play_object
+    from surefoot.compute import Deadline
+    from surefoot.errors import LimitExceeded
+    from surefoot.games import unrealizable_core
+
+    core: tuple[Conjunct, ...] = ()
+    limit: str | None = None
+    try:
+        core = unrealizable_core(
+            specification,
+            semantics=options.semantics.value,
+            engine=options.engine.value,
+            env_dead_end=options.env_dead_end.value,
+            deadline=Deadline.after(options.time_limit),
+        )
+    except LimitExceeded as problem:
+        limit = str(problem)
+    for asked in (_reduced(specification, core), specification) if core else (specification,):
+        solved = options.solve(asked)
+        if solved.counter_strategy is not None:
+            return Explained(core, play_object(asked, solved.counter_strategy), limit)
+    return Explained(core, None, limit)
+
+
+def _reduced(specification: Specification, core: tuple[Conjunct, ...]) -> Specification:
+    """Return a specification with no lines of the system but the core, and without outputs that no line mentions."""
+    from surefoot.games.cores import keeping
+    from surefoot.logic.syntax import atoms, bit_owners
+
+    promises = specification.sys_init + specification.system_safety + specification.sys_liveness
+    kept = keeping(specification, core, promises)
+    owners = bit_owners(specification)
+    names = {name for name, _ in atoms(conjunct.expression for conjunct in kept.conjuncts)}
+    names |= {owners[name][0].name for name in names if name in owners}
+    return replace(kept, outputs=tuple(variable for variable in kept.outputs if variable.name in names))

@@ -63,6 +63,9 @@ def reach(
     ] = False,
     save: Annotated[Path | None, typer.Option(metavar="FILE", help="Save to FILE.json and FILE.npz.")] = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Draw the regions into a PNG file.")] = None,
+    pictures: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Draw regions, pushed steps and a map of pushes in there.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Compute from which states a walking step surely succeeds, and which omega to hold there.
@@ -98,12 +101,12 @@ def reach(
         region = rooms.synthesize(transition, settings, all_masks=not first_only)
         for note in region.notes:
             say(f"warning: {note}")
-        files = _write(region, save, plot)
+        files = _write(region, save, plot, pictures)
     value = _value(region, settings, files)
     answer(value, _lines(region, files), yes=region.emptied_by is None, as_json=as_json)
 
 
-def _write(region: Region, save: Path | None, plot: Path | None) -> list[Path]:
+def _write(region: Region, save: Path | None, plot: Path | None, pictures: Path | None) -> list[Path]:
     files: list[Path] = []
     if save is not None:
         from surefoot.reach import save_region
@@ -113,6 +116,10 @@ def _write(region: Region, save: Path | None, plot: Path | None) -> list[Path]:
         from surefoot.viewer.regions import draw_region
 
         files.append(draw_region(region, plot))
+    if pictures is not None and region.emptied_by is None:
+        from surefoot.viewer.regions import draw_all
+
+        files.extend(draw_all(region, pictures))
     return files
 
 

@@ -1,8 +1,8 @@
 """Why a problem is infeasible: the least that has to give, by family, foot, footstep and metres or newtons.
 
 Two elastic programs. The first takes positions only and chooses polygons: rows of reach, clearance, support and
-collision may give, one slack for all samples of a foot's step, and the sum of the slacks is least (L1). Where nothing has to give
-there, the polygons that it chose are kept, forces come in, and friction and torque may give too.
+collision may give, one slack for all samples of a foot's step, and the sum of the slacks is least (L1). Where nothing
+has to give there, the polygons that it chose are kept, forces come in, and friction and torque may give too.
 """
 
 from __future__ import annotations

@@ -178,3 +178,38 @@ def borderline(
         middle = (near + far) / 2
         near, far = (middle, far) if feasible(moved(middle)) else (near, middle)
     return moved(near), moved(far)
+
+
+def strips(
+    seed: int,
+    *,
+    tilt: float = 0.0,
+    friction: float = 0.6,
+    goal_x_m: float | None = None,
+    bands: int = 3,
+    **options: object,
+) -> Problem:
+    """Return a small problem for comparison with enumeration: a 1 s trot at 0.05 s over bands across the way.
+
+    Args:
+        seed: of the bands.
+        tilt: largest slope of a band.
+        friction: of the first band; the others' is drawn unless it is below 0.3.
+        goal_x_m: drawn from 0.2 to 0.5 by default.
+        bands: how many; the first one carries the robot.
+        options: of the problem, see ``Options``.
+    """
+    rng = np.random.default_rng(seed)
+    ground = [polygon([[-0.5, -0.4, 0], [0.28, -0.4, 0], [0.28, 0.4, 0], [-0.5, 0.4, 0]], friction)]
+    x = 0.28
+    for _ in range(bands - 1):
+        gap, width = rng.uniform(0.03, 0.12), rng.uniform(0.1, 0.2)
+        rise, roll, height = rng.uniform(-tilt, tilt), rng.uniform(-tilt, tilt) * 0.3, rng.uniform(-tilt, tilt) * 0.1
+        near, far = x + gap, x + gap + width
+        flat = ((near, -0.4), (far, -0.4), (far, 0.4), (near, 0.4))
+        corners = [[px, py, height + rise * (px - near) + roll * py] for px, py in flat]
+        ground.append(polygon(corners, friction if friction < 0.3 else rng.uniform(0.3, 0.8)))
+        x = far
+    goal = rng.uniform(0.2, 0.5) if goal_x_m is None else goal_x_m
+    problem = _problem(ground, goal_m=np.array([goal, 0.0, _HEIGHT_M]))
+    return replace(problem, gait=NAMED["trot-1s"], step_s=0.05, options=replace(problem.options, **options))  # type: ignore[arg-type]

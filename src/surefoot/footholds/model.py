@@ -122,7 +122,7 @@ def whole_cost(problem: Problem) -> Cost:
 def cost_of(problem: Problem, motion: Motion) -> Cost:
     """Sum weight times squared deviation over all samples, Eqs. (4)-(5) with Table I.
 
-    Where the motion has no forces, they are shared equally by the feet in contact; this is the least that they can cost.
+    Where the motion has no forces, the feet in contact share them equally, which is the least that they can cost.
     """
     build, weights = CostBuilder(motion.size), problem.weights
     build.add(weights.position, [(1.0, motion.base)], problem.base_reference_m)

@@ -22,12 +22,12 @@ from surefoot.footholds.model import (
     whole_motion,
     whole_rows,
 )
-from surefoot.footholds.problem import Problem
-from surefoot.footholds.qp import EquationBound, QpAnswer, solve_qp
+from surefoot.footholds.problem import Problem, impossible_cost
+from surefoot.footholds.qp import EquationBound, QpAnswer, broken_constant, solve_qp
 from surefoot.footholds.reduction import reduced_motion
 from surefoot.footholds.rows import FAMILIES, Array, Cost, RowBuilder, Rows, stacked
 
-_EMPTY_ROW = 1e-9
+_CERTAIN = 100.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,11 +65,8 @@ class ReducedProgram:
         support_rows(build, problem, self.motion)
         if forces:
             torque_rows(build, problem, self.motion)
-        rows = build.rows()
-        used = np.diff(rows.matrix.indptr) > 0
-        empty = rows.pick(~used)
-        self.impossible = bool((empty.lower > _EMPTY_ROW).any() or (empty.upper < -_EMPTY_ROW).any())
-        self.fixed = rows.pick(used)
+        self.fixed = build.rows()
+        self.certain = _CERTAIN * impossible_cost(problem)
 
     def rows(self, choice: Choice) -> Rows:
         """Return the rows for what a choice leaves open."""
@@ -78,13 +75,16 @@ class ReducedProgram:
         if self.forces:
             friction_rows(build, self.problem, self.motion, choice)
         collision_rows(build, self.problem, self.motion, choice)
-        chosen = build.rows()
-        return stacked([self.fixed, chosen.pick(np.diff(chosen.matrix.indptr) > 0)])
+        return stacked([self.fixed, build.rows()])
 
     def solve(self, choice: Choice) -> Node:
         """Solve the program."""
         rows = self.rows(choice)
-        answer = solve_qp(self.cost, rows)
+        broken = broken_constant(rows, self.certain)
+        if broken is not None:
+            return Node(rows, broken, self.motion.feet.at(broken.unknowns))
+        rows = rows.pick(np.diff(rows.matrix.indptr) > 0)
+        answer = solve_qp(self.cost, rows, certain=self.certain)
         return Node(rows, answer, self.motion.feet.at(answer.unknowns))
 
 
@@ -98,7 +98,7 @@ class WholeProgram:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.forces = True
-        self.impossible = False
+        self.certain = _CERTAIN * impossible_cost(problem)
         self.motion: Motion = whole_motion(problem.samples)[0]
         self.cost: Cost = whole_cost(problem)
         self.exact: EquationBound | None = None
@@ -106,7 +106,7 @@ class WholeProgram:
     def solve(self, choice: Choice) -> Node:
         """Solve the program."""
         rows = whole_rows(self.problem, choice)
-        answer = solve_qp(self.cost, rows)
+        answer = solve_qp(self.cost, rows, certain=self.certain)
         kept = rows.equal & (rows.family != FAMILIES.index("region"))
         if self.exact is None:
             self.exact = EquationBound(self.cost, rows.pick(kept))

@@ -134,7 +134,8 @@ class Problem:
     @cached_property
     def levers_m(self) -> Array:
         """Nominal feet relative to the base, in world axes, shape (N, 4, 3)."""
-        return np.einsum("iab,jb->ija", self.rotations, np.array(self.robot.feet_m))
+        levers: Array = np.einsum("iab,jb->ija", self.rotations, np.array(self.robot.feet_m))
+        return levers
 
     @cached_property
     def foot_reference_m(self) -> Array:
@@ -183,7 +184,8 @@ def rotations_of(rpy_rad: Array) -> Array:
 def nominal_feet(robot: Quadruped, position_m: Array, rpy_rad: Array) -> Array:
     """Return where the feet stand nominally below a pose, shape (4, 3)."""
     rotation = rotations_of(np.asarray(rpy_rad, dtype=float)[None, :])[0]
-    return np.asarray(position_m, dtype=float) + np.array(robot.feet_m) @ rotation.T
+    feet: Array = np.asarray(position_m, dtype=float) + np.array(robot.feet_m) @ rotation.T
+    return feet
 
 
 def reach_span(problem: Problem) -> float:
@@ -199,7 +201,7 @@ def reach_span(problem: Problem) -> float:
     span = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
     arm = math.dist((0, 0, 0), robot.foot_reference_m) + math.dist((0, 0, 0), robot.foot_reach_m)
     longest, current = 0, 0
-    for held in problem.contacts.any(axis=1).tolist():
+    for held in (bool(row.any()) for row in problem.contacts):
         current = 0 if held else current + 1
         longest = max(longest, current)
     return span + 4 * arm + problem.gravity_mps2 * (longest * problem.step_s) ** 2

@@ -16,7 +16,7 @@ from surefoot.footholds.problem_blocks import Block, ProblemBlock, RobotBlock
 from surefoot.footholds.terrain import Polygon, PolygonError, polygon
 from surefoot.robots.quadruped import FOOT_NAMES, Quadruped, quadruped, quadruped_names
 
-_REACH_TOLERANCE_M = 1e-6
+_REACH_TOLERANCE_M = 1e-9
 _ON_M = 1e-6
 _SINGULAR = 1e-6
 

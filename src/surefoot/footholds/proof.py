@@ -68,9 +68,8 @@ def proof_of(problem: Problem, program: Program, outcome: Outcome, turned: Turni
             tree[place] = entry
         else:
             tree[place] = {"leaf": prove(branch)}
-    turns = [] if turned is None else [
-        [int(i), int(a), _short(m)] for (i, a), m in zip(turned.where, turned.multipliers, strict=True) if abs(m) > _DROP
-    ]  # fmt: skip
+    pressing = [] if turned is None else zip(turned.where, turned.multipliers, strict=True)
+    turns = [[int(i), int(a), _short(m)] for (i, a), m in pressing if abs(m) > _DROP]
     return Proof(outcome.root.choice, tree, kept, turns)
 
 

@@ -11,8 +11,8 @@ import scipy.sparse as sp
 from surefoot.footholds.rows import Array, Cost, Rows
 
 _LIMIT = 1e-30
-_FAR = 1e17
-_HIGH = 1e18
+_LEAST_GAIN = 1e-9
+_BROKEN = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,7 +24,8 @@ class QpAnswer:
         unknowns: the last iterate.
         value: its objective.
         multipliers: one per row, positive where the upper bound presses.
-        bound: a lower bound of the objective that ``multipliers`` prove; above ``problem.impossible_cost`` they prove infeasibility.
+        bound: a lower bound of the objective that ``multipliers`` prove; above ``problem.impossible_cost`` they prove
+            infeasibility.
         iterations: of the solver.
     """
 
@@ -36,13 +37,14 @@ class QpAnswer:
     iterations: int
 
 
-def solve_qp(cost: Cost, rows: Rows, tolerance: float = 1e-9) -> QpAnswer:
+def solve_qp(cost: Cost, rows: Rows, tolerance: float = 1e-9, certain: float = 1e16) -> QpAnswer:
     """Minimise a cost below rows with PIQP.
 
     Args:
         cost: convex.
         rows: equations are recognised by equal bounds; one-sided rows have infinite bounds.
         tolerance: absolute and relative, on residuals and duality gap.
+        certain: a bound beyond which rays of infeasible programs are not stretched any further.
     """
     import piqp  # type: ignore[import-untyped]
 
@@ -68,7 +70,19 @@ def solve_qp(cost: Cost, rows: Rows, tolerance: float = 1e-9) -> QpAnswer:
     multipliers[~equal] = result.z_u - result.z_l
     unknowns = np.array(result.x)
     feasible = {piqp.PIQP_SOLVED: True, piqp.PIQP_PRIMAL_INFEASIBLE: False}.get(status)
-    return _answer(cost, rows, unknowns, multipliers, feasible, int(result.info.iter))
+    return _answer(cost, rows, unknowns, multipliers, feasible, int(result.info.iter), certain)
+
+
+def broken_constant(rows: Rows, certain: float) -> QpAnswer | None:
+    """Return the answer where a row without unknowns does not hold, which is proof enough; None where all do."""
+    lone = np.diff(rows.matrix.indptr) == 0
+    excess = np.where(lone, np.maximum(rows.lower, -rows.upper), -np.inf)
+    worst = int(excess.argmax()) if len(excess) else 0
+    if not len(excess) or excess[worst] <= _BROKEN:
+        return None
+    multipliers = np.zeros(len(rows.lower))
+    multipliers[worst] = certain / excess[worst] * (1.0 if -rows.upper[worst] > rows.lower[worst] else -1.0)
+    return QpAnswer(False, np.zeros(rows.matrix.shape[1]), np.inf, multipliers, certain, 0)
 
 
 def _columns(matrix: sp.csr_matrix) -> sp.csc_matrix:
@@ -78,7 +92,7 @@ def _columns(matrix: sp.csr_matrix) -> sp.csc_matrix:
 
 
 def _answer(
-    cost: Cost, rows: Rows, unknowns: Array, multipliers: Array, feasible: bool | None, iterations: int
+    cost: Cost, rows: Rows, unknowns: Array, multipliers: Array, feasible: bool | None, iterations: int, certain: float
 ) -> QpAnswer:
     if not (np.isfinite(unknowns).all() and np.isfinite(multipliers).all()):
         nothing = np.zeros(len(rows.lower))
@@ -86,7 +100,7 @@ def _answer(
     multipliers = clipped(rows, multipliers)
     value = cost.at(unknowns)
     if feasible is False:
-        multipliers, bound = scaled_ray(cost, rows, unknowns, multipliers)
+        multipliers, bound = scaled_ray(cost, rows, unknowns, multipliers, certain)
     else:
         bound = lower_bound(cost, rows, unknowns, multipliers)
     return QpAnswer(feasible, unknowns, value, multipliers, bound, iterations)
@@ -120,17 +134,19 @@ def _press(rows: Rows, unknowns: Array, multipliers: Array) -> float:
     return float(multipliers @ (rows.matrix @ unknowns) - multipliers @ limits)
 
 
-def scaled_ray(cost: Cost, rows: Rows, unknowns: Array, multipliers: Array) -> tuple[Array, float]:
+def scaled_ray(
+    cost: Cost, rows: Rows, unknowns: Array, multipliers: Array, certain: float
+) -> tuple[Array, float]:
     """Return multipliers along a direction that prove most, and what they prove (a Farkas ray grows without limit)."""
     multipliers = multipliers / max(float(np.abs(multipliers).max(initial=0.0)), _LIMIT)
     if not (cost.curvature > 0).all():
-        return _FAR * multipliers, -np.inf
+        return certain / max(_press(rows, unknowns, multipliers), _LEAST_GAIN) * multipliers, -np.inf
     slope = cost.hessian @ unknowns + cost.linear
     tilt = rows.matrix.T @ multipliers
     gain = _press(rows, unknowns, multipliers)
     square = float(tilt @ (tilt / cost.curvature))
     cross = gain - float(slope @ (tilt / cost.curvature))
-    length = min(max(cross / max(square, _LIMIT), 0.0), _HIGH / max(abs(gain), _LIMIT))
+    length = min(max(cross / max(square, _LIMIT), 0.0), certain / max(abs(gain), _LIMIT))
     stretched = length * multipliers
     return stretched, lower_bound(cost, rows, unknowns, stretched)
 

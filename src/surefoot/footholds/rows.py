@@ -82,7 +82,8 @@ class Rows:
     def excess(self, unknowns: Array) -> Array:
         """Return by how much every row is violated; at most 0 where it holds."""
         values = self.matrix @ unknowns
-        return np.maximum(values - self.upper, self.lower - values)
+        excess: Array = np.maximum(values - self.upper, self.lower - values)
+        return excess
 
     @property
     def equal(self) -> NDArray[np.bool_]:

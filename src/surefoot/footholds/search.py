@@ -178,7 +178,7 @@ class _Search:
         self.offer(choice, self.solved(choice))
 
     def violated(self, choice: Choice, node: Node) -> tuple[int, Choice]:
-        """Return the place whose choices the solution obeys least (-1: it obeys all), and the nearest decided choice."""
+        """Return the place whose choices the solution obeys least (-1: all are obeyed), and the nearest decision."""
         worst, place, nearest = _INSIDE_M, -1, []
         for number, step in enumerate(self.problem.footsteps):
             point = node.feet[step.touch, step.foot]

@@ -78,7 +78,8 @@ class Polygon:
         begin, along = self.vertices_m, np.roll(self.vertices_m, -1, axis=0) - self.vertices_m
         part = np.clip(((flat - begin) * along).sum(1) / (along**2).sum(1), 0.0, 1.0)
         feet = begin + part[:, None] * along
-        return feet[((feet - flat) ** 2).sum(1).argmin()]
+        closest: Array = feet[((feet - flat) ** 2).sum(1).argmin()]
+        return closest
 
 
 def polygon(vertices_m: Sequence[Sequence[float]], friction: float = 0.6) -> Polygon:
@@ -166,7 +167,8 @@ def _flat_hull(points: Array, normal: Array) -> Array:
     along = np.roll(corners, -1, axis=0) - corners
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
     outward /= np.linalg.norm(outward, axis=1)[:, None]
-    return outward @ np.stack([first, second])
+    planes: Array = outward @ np.stack([first, second])
+    return planes
 
 
 def chain_hull(points: Array) -> Array:

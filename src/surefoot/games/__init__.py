@@ -3,6 +3,7 @@
 from surefoot.games.arena import Arena, reachable, restrict, swap_players, with_goals
 from surefoot.games.cores import unrealizable_core
 from surefoot.games.explicit import solve
+from surefoot.games.partial import partial_evaluation
 from surefoot.games.solution import Engine, EnvDeadEnd, Solution, follow, visit
 from surefoot.games.synthesis import SynthesisAnswer, Vacuity, synthesize
 from surefoot.games.warming import is_compiled, warm_up
@@ -20,6 +21,7 @@ __all__ = [
     "failing_goals",
     "follow",
     "is_compiled",
+    "partial_evaluation",
     "reachable",
     "restrict",
     "solve",

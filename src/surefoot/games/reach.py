@@ -12,9 +12,14 @@ from surefoot.games.symbolic import SymbolicGame
 
 
 class Reach:
-    """Forward images of a game."""
+    """Forward images of a game, as far as the system has not lost.
 
-    def __init__(self, game: SymbolicGame) -> None:
+    Args:
+        game: the game.
+        safe: states outside of which the system has lost; plays end there.
+    """
+
+    def __init__(self, game: SymbolicGame, safe: Set) -> None:
         encoder, bits = game.encoder, range(len(game.game.bits))
         read = game.game.read
         self._game, self._manager = game, game.manager
@@ -23,11 +28,13 @@ class Reach:
         self._unread_next = mentions(encoder, ((1 << len(bits)) - 1) & ~read, following=True)
         self._present = mentions(encoder, read, following=False)
         self._back = game.manager.renaming([(encoder.then(bit), encoder.now(bit)) for bit in bits])
+        self._safe = safe
         self._rules = [*game.environment.rules, *game.system.rules]
 
     def initial(self) -> Set:
         """Return the initial states that both sides allow, in the bits that matter."""
-        return self._manager.and_exists(self._game.env_init, self._game.sys_init, self._unread)
+        together = self._manager.conjoin(self._game.env_init, self._safe)
+        return self._manager.and_exists(together, self._game.sys_init, self._unread)
 
     def image(self, states: Set) -> Set:
         """Return the states after one step by both sides' rules."""
@@ -35,7 +42,7 @@ class Reach:
         for rule in self._rules:
             steps = self._manager.conjoin(steps, rule)
         steps = self._manager.exists(self._manager.exists(steps, self._unread_next), self._present)
-        return self._manager.rename(steps, self._back)
+        return self._manager.conjoin(self._manager.rename(steps, self._back), self._safe)
 
     def closure(self) -> Set:
         """Return all states that plays can reach."""

@@ -35,11 +35,17 @@ class LibraryStep:
         name: for people.
         transition: in the frame of the new heading.
         heading_change_rad: by which the heading changes at its current apex, before the step.
+        turn: kind of the turn that it is a step of, empty when straight.
+        number: which step of that turn, counted from 1.
+        last: whether it is the last one.
     """
 
     name: str
     transition: Transition
     heading_change_rad: float = 0.0
+    turn: str = ""
+    number: int = 0
+    last: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +153,7 @@ def region_library(
 
 
 def action_steps(
-    walking: StepLibrary, omega_radps: float, windows_mps: Sequence[tuple[float, float]] = WINDOWS_MPS
+    walking: StepLibrary, windows_mps: Sequence[tuple[float, float]] = WINDOWS_MPS
 ) -> tuple[LibraryStep, ...]:
     """Return the transitions of the action game: every length with its deviations, straight and turned, per window.
 
@@ -169,8 +175,16 @@ def action_steps(
             foot = first_foot_after_turn(p.turn_rad if toward else -p.turn_rad, 1.0, p.dy2_m)
             for low, high in slow:
                 name = f"turn {kind} step {number} to {low:g}-{high:g} m/s"
-                steps.append(LibraryStep(name, Transition(length * p.fine_cell_m, (low, high), foot), p.turn_rad))
+                transition, last = Transition(length * p.fine_cell_m, (low, high), foot), number == len(lengths)
+                steps.append(LibraryStep(name, transition, p.turn_rad, kind, number, last))
     return tuple(steps)
+
+
+def action_follows(before: LibraryStep, after: LibraryStep) -> bool:
+    """Tell whether the action game lets one step follow another: turns are walked to their end, then straight on."""
+    if before.turn and not before.last:
+        return after.turn == before.turn and after.number == before.number + 1
+    return after.number <= 1 and not (before.turn and after.turn)
 
 
 def _region(transition: Transition, settings: Settings, cache: Path | None) -> Region:

@@ -100,7 +100,7 @@ def impossible(plan: FootholdFile) -> float:
     places = [corner for one in values["polygons"] for corner in one["vertices_m"]]
     places += [*values["start"]["feet_m"], values["start"]["position_m"], values["goal"]["position_m"]]
     arm = float(np.linalg.norm(robot["foot_reference_m"]) + np.linalg.norm(robot["foot_reach_m"]))
-    flights = "".join("." if held else "x" for held in plan.contacts.any(axis=1).tolist()).split(".")
+    flights = "".join("." if held else "x" for held in map(np.any, plan.contacts)).split(".")
     fall = g * (max(map(len, flights)) * dt) ** 2
     span = float(np.linalg.norm(np.ptp(np.array(places, dtype=float), axis=0))) + 4 * arm + fall
     rate = 2 * span / dt**2

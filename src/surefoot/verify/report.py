@@ -36,6 +36,11 @@ def verify_path(path: Path | str, specification: Path | None = None) -> Report:
 
         check_strategy(path, ledger, specification)
         return ledger.report("gr1-strategy")
+    if _kind(path) == "terrain":
+        from surefoot.verify.terrain_polygons import check_terrain
+
+        check_terrain(path, ledger)
+        return ledger.report("terrain")
     if specification is None and (_kind(path) == "step-region" or path.suffix == ".npz"):
         from surefoot.verify.regions import check_region
 

@@ -1,4 +1,7 @@
-"""Controllable regions in the phase plane, and how pushes end (Shamsah et al., Figs. 7 and 11; Warnke et al., Figs. 3, 5)."""
+"""Controllable regions in the phase plane, and how pushes end.
+
+As in Shamsah et al., T-RO 2023, Figs. 7 and 11, and Warnke et al., Figs. 3 and 5.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +16,59 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from surefoot.reach.barriers import barrier_region
-from surefoot.reach.ensembles import PushMap
+from surefoot.reach.ensembles import Law, PushMap, push_map, random_starts
 from surefoot.reach.lattice import Cells, Lattice
 from surefoot.reach.parameters import Reading
-from surefoot.reach.simulation import Trace
+from surefoot.reach.simulation import Push, Trace, simulate
 from surefoot.reach.synthesis import Region
-from surefoot.reach.winning_sets import InitialWinningSet
+from surefoot.reach.winning_sets import InitialWinningSet, KeyframeStep, initial_winning_set
 from surefoot.viewer import style
 
 FIRST, SECOND, GUARD, TARGET, TUBE = style.GREEN, style.YELLOW, style.BLUE, style.VERMILION, style.PURPLE
+
+
+def draw_all(region: Region, folder: Path) -> tuple[Path, ...]:
+    """Draw a region, pushed steps in it, pushed steps in a row, its push map and the initial winning sets."""
+    rng = np.random.default_rng(0)
+    traces = _pushed(region, 15, rng)
+    walk = _walk(region, 4, rng)
+    sizes = tuple(float(size) for size in np.linspace(-0.5, 0.5, 41))
+    sets = [initial_winning_set(KeyframeStep(v, height_change_m=-0.2)) for v in (0.5, 0.6, 0.7)]
+    return (
+        draw_region(region, folder / "region.png"),
+        draw_region(region, folder / "transitions.png", traces, f"{len(traces)} pushed steps that succeed"),
+        draw_walk([region] * len(walk), walk, folder / "walk.png"),
+        draw_push_map([push_map(region, sizes, law=law) for law in Law], folder / "pushes.png"),
+        draw_winning_set(sets[0], folder / "winning_set.png"),
+        draw_winning_sets(sets, folder / "winning_sets.png"),
+    )
+
+
+def _pushed(region: Region, count: int, rng: np.random.Generator) -> list[Trace]:
+    """Return simulated steps from random starts with a random push each, those that succeed."""
+    traces: list[Trace] = []
+    for number, (x, v) in enumerate(random_starts(region, 4 * count, rng)):
+        push = Push(float(rng.uniform(0.1, 0.2)), float(rng.uniform(-0.1, 0.1)))
+        trace = simulate(region, x, v, (push,), seed=number)
+        if trace.succeeded and len(traces) < count:
+            traces.append(trace)
+    return traces
+
+
+def _walk(region: Region, steps: int, rng: np.random.Generator) -> list[Trace]:
+    """Return steps in a row, each begun where the last one ended and pushed as far as the region allows."""
+    x, v, traces = 0.0, float(np.mean(region.transition.apex_velocity_mps)), list[Trace]()
+    for number in range(steps):
+        for size in (0.12, 0.08, 0.04, 0.0):
+            push = Push(float(rng.uniform(0.08, 0.2)), size * (-1) ** number)
+            trace = simulate(region, x, v, (push,), seed=number)
+            if trace.succeeded:
+                break
+        traces.append(trace)
+        x, v = trace.positions_m[-1] - region.transition.step_length_m, trace.velocities_mps[-1]
+        if not trace.succeeded:
+            break
+    return traces
 
 
 def draw_region(region: Region, path: Path, traces: Sequence[Trace] = (), title: str | None = None) -> Path:
@@ -54,7 +101,7 @@ def draw_walk(regions: Sequence[Region], traces: Sequence[Trace], path: Path) ->
             at += region.transition.step_length_m
         axes.set_xlim(-0.06, at + 0.03)
         axes.set_ylim(0.0, regions[0].settings.grid.fastest_mps + 0.05)
-        style.legend_outside(figure, _legend(regions[0], bool(traces))[:4] + _legend(regions[0], True)[-2:], columns=6)
+        style.legend_outside(figure, _legend(None, bool(traces)), columns=5)
     return path
 
 
@@ -189,15 +236,14 @@ def _limits(axes: Axes, lattice: Lattice, at_m: float) -> None:
     axes.set_ylim(0.0, lattice.v_edges()[1][-1] + 0.05)
 
 
-def _legend(region: Region, traced: bool) -> list[Any]:
-    counts = region.counts
+def _legend(region: Region | None, traced: bool) -> list[Any]:
+    counts = {} if region is None else {name: f", {count} cells" for name, count in region.counts.items()}
     handles: list[Any] = [
-        Patch(facecolor=FIRST, alpha=0.5, label=f"first half's region, {counts['fhws']} cells"),
-        Patch(facecolor=SECOND, alpha=0.65, label=f"second half's region, {counts['shws']} cells"),
-        Patch(facecolor=GUARD, alpha=0.85, label=f"guard, {counts['guard']} cells"),
-        Patch(facecolor=TARGET, alpha=0.9, label=f"target, {counts['target']} cells"),
-        Line2D([], [], color=TUBE, lw=1.0, ls="--", label="tangent manifolds"),
-        Line2D([], [], color=style.BOUND, lw=0.9, label="barrier curves (outer bound)"),
+        Patch(facecolor=FIRST, alpha=0.5, label="first half's region" + counts.get("fhws", "")),
+        Patch(facecolor=SECOND, alpha=0.65, label="second half's region" + counts.get("shws", "")),
+        Patch(facecolor=GUARD, alpha=0.85, label="guard" + counts.get("guard", "")),
+        Patch(facecolor=TARGET, alpha=0.9, label="target" + counts.get("target", "")),
+        *(_curve_handles() if region is not None else []),
         Line2D([], [], ls="", marker="*", ms=10, color=FIRST, label="foot of the first half"),
         Line2D([], [], ls="", marker="*", ms=10, color=style.ORANGE, label="foot of the second half"),
     ]
@@ -205,3 +251,10 @@ def _legend(region: Region, traced: bool) -> list[Any]:
         handles.append(Line2D([], [], color=style.BLACK, lw=0.9, label="simulated steps"))
         handles.append(Line2D([], [], ls="", marker="s", mfc="white", mec=style.BLACK, label="switch of the foot"))
     return handles
+
+
+def _curve_handles() -> list[Any]:
+    return [
+        Line2D([], [], color=TUBE, lw=1.0, ls="--", label="tangent manifolds"),
+        Line2D([], [], color=style.BOUND, lw=0.9, label="barrier curves (outer bound)"),
+    ]

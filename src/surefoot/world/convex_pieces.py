@@ -68,8 +68,8 @@ def clean_outline(face: Any) -> Floats:
 
 def area_of(points: Floats) -> float:
     """Return the area of a polygon, positive when it runs counter-clockwise."""
-    x, y = points.T
-    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+    (x, y), (x0, y0), (x1, y1) = points.T, points[0], points[-1]
+    return 0.5 * float(x[:-1] @ y[1:] - y[:-1] @ x[1:] + x1 * y0 - y1 * x0)
 
 
 class _Corners:
@@ -88,22 +88,16 @@ class _Corners:
 
     def cuts(self) -> list[Floats]:
         """Return one cut for every inward corner, shared by two where that is possible."""
-        starts, ends = [self.starts], [self.ends]
-        cuts: list[Floats] = []
+        walls = _Walls(self.starts, self.ends, len(self.reflex))
         left = set(self.reflex.tolist())
         for a, b in self._bridges():
-            if a in left and b in left and not _crosses(self.points[a], self.points[b], starts, ends):
+            if a in left and b in left and not walls.cross(self.points[a], self.points[b]):
                 left -= {a, b}
-                starts.append(self.points[a][None])
-                ends.append(self.points[b][None])
-                cuts.append(np.array([self.points[a], self.points[b]]))
+                walls.add(self.points[a], self.points[b])
         for k in sorted(left):
-            options = [self._ray(k, way, starts, ends) for way in (self.into[k], -self.out[k])]
-            end = min(options, key=lambda p: float(np.hypot(*(p - self.points[k]))))
-            starts.append(self.points[k][None])
-            ends.append(end[None])
-            cuts.append(np.array([self.points[k], end]))
-        return cuts
+            ends = [walls.hit(self.points[k], way) for way in (self.into[k], -self.out[k])]
+            walls.add(self.points[k], min(ends, key=lambda end: float(np.hypot(*(end - self.points[k])))))
+        return walls.added()
 
     def _bridges(self) -> list[tuple[int, int]]:
         """Return pairs of inward corners that one segment would resolve, shortest first."""
@@ -124,36 +118,49 @@ class _Corners:
         """Return whether a cut in a direction leaves no inward corner on either side."""
         return bool(_cross(self.into[k], way) >= -1e-6 and _cross(self.out[k], way) >= -1e-6)
 
-    def _ray(self, k: int, way: Floats, starts: list[Floats], ends: list[Floats]) -> Floats:
-        """Return where a ray from a corner first meets the boundary or a cut."""
-        p, a, b = self.points[k], np.vstack(starts), np.vstack(ends)
-        edge = b - a
+
+class _Walls:
+    """Segments that cuts may not cross: the boundary, and the cuts so far."""
+
+    def __init__(self, starts: Floats, ends: Floats, room: int) -> None:
+        self.first = self.count = len(starts)
+        self.a = np.vstack((starts, np.zeros((room, 2))))
+        self.edge = np.vstack((ends - starts, np.zeros((room, 2))))
+
+    def add(self, start: Floats, end: Floats) -> None:
+        """Add a cut."""
+        self.a[self.count], self.edge[self.count] = start, end - start
+        self.count += 1
+
+    def added(self) -> list[Floats]:
+        """Return the cuts."""
+        return [np.array([self.a[k], self.a[k] + self.edge[k]]) for k in range(self.first, self.count)]
+
+    def _meetings(self, start: Floats, way: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """Return where along a line it meets each wall's line, and whether that is on the wall."""
+        a, edge = self.a[: self.count] - start, self.edge[: self.count]
+        scale = way[0] * edge[:, 1] - way[1] * edge[:, 0]
         with np.errstate(divide="ignore", invalid="ignore"):
-            scale = _cross(way[None], edge)
-            t = _cross(a - p, edge) / scale
-            s = _cross(a - p, np.broadcast_to(way, a.shape)) / scale
-        hit = (np.abs(scale) > 1e-12) & (t > 1e-7) & (s >= -1e-9) & (s <= 1 + 1e-9)
-        if not hit.any():
-            return p
-        end: Floats = p + way * (float(t[hit].min()) + 1e-7)
+            t = (a[:, 0] * edge[:, 1] - a[:, 1] * edge[:, 0]) / scale
+            s = (a[:, 0] * way[1] - a[:, 1] * way[0]) / scale
+        return t, (np.abs(scale) > 1e-12) & (s >= -1e-9) & (s <= 1 + 1e-9)
+
+    def hit(self, start: Floats, way: Floats) -> Floats:
+        """Return where a ray first meets a wall, and a trifle beyond."""
+        t, on = self._meetings(start, way)
+        ahead = t[on & (t > 1e-7)]
+        end: Floats = start + way * (float(ahead.min()) + 1e-7) if len(ahead) else start
         return end
+
+    def cross(self, start: Floats, end: Floats) -> bool:
+        """Return whether an open segment meets any wall."""
+        t, on = self._meetings(start, end - start)
+        slack = 1e-7 / max(float(np.hypot(*(end - start))), 1e-7)
+        return bool((on & (t > slack) & (t < 1 - slack)).any())
 
 
 def _cross(a: Floats, b: Floats) -> Any:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-
-
-def _crosses(p: Floats, q: Floats, starts: list[Floats], ends: list[Floats]) -> bool:
-    """Return whether the open segment p q meets any edge or cut."""
-    a, b = np.vstack(starts), np.vstack(ends)
-    way, edge = q - p, b - a
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scale = _cross(way[None], edge)
-        t = _cross(a - p, edge) / scale
-        s = _cross(a - p, np.broadcast_to(way, a.shape)) / scale
-    length = float(np.hypot(*way))
-    slack = 1e-7 / max(length, 1e-7)
-    return bool(((t > slack) & (t < 1 - slack) & (s > -1e-9) & (s < 1 + 1e-9)).any())
 
 
 def _faces(polygon: Any, cuts: list[Floats]) -> list[Any]:

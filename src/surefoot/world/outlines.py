@@ -52,7 +52,7 @@ def inset_outline(mask: Flags, margin_cells: float, least_cells: float = 0.0) ->
     inward = max(margin_cells - UNSURE_CELLS / 2, min(margin_cells, UNSURE_CELLS))
     for tolerance in SIMPLIFY_CELLS:
         inset = _shrunk(_region([straightened(ring, tolerance) for ring in rings]), inward)
-        poked = tips[_too_near(inset, tips, TIP_CELLS)] if margin_cells > 0 else tips[:0]
+        poked = tips[_too_near(inset, tips, TIP_CELLS)] if margin_cells > 0 and len(tips) else tips[:0]
         inset = _without(inset, poked, inward + UNSURE_CELLS)
         near = outside[_too_near(inset, outside, min(inward, UNSURE_CELLS))]
         if len(near) <= FEW:
@@ -88,7 +88,8 @@ def _without(shape: Any, points: Floats, reach: float) -> Any:
     if not len(points):
         return shape
     x, y = points.T
-    return shapely.difference(shape, shapely.union_all(shapely.box(x - reach, y - reach, x + reach, y + reach)))
+    boxes = shapely.box(x - reach, y - reach, x + reach, y + reach)
+    return shapely.difference(shape, shapely.disjoint_subset_union_all(boxes))
 
 
 def _shrunk(shape: Any, cells: float) -> Any:
@@ -182,7 +183,7 @@ def _region(rings: list[Floats]) -> Any:
     outer, result = shapes[order[0]], shapes[order[0]]
     holes = [shapes[k] for k in order[1:] if outer.intersects(shapes[k])]
     if holes:
-        result = shapely.difference(outer, shapely.union_all(holes))
+        result = shapely.difference(outer, shapely.disjoint_subset_union_all(np.array(holes, object)))
     return _polygons(result)
 
 

@@ -191,7 +191,7 @@ class _State:
 
         free = self.labels == 0
         error_m = self.options.max_error_m
-        near_m = min(max(3 * self.noise_m, 0.25 * error_m), 1.5 * error_m)
+        near_m = min(max(3 * self.noise_m, 0.5 * error_m), 1.5 * error_m)
         for _ in range(rounds):
             labels = kernels.claim_edges(self.heights, labels, planes, self.known & free, near_m, 1, 1)
             enough = np.bincount(labels.ravel(), minlength=len(planes)) >= _SURE_CELLS
@@ -199,7 +199,7 @@ class _State:
         open_ = (self.known | self.dropouts) & free
         labels = kernels.settle_rivals(self.heights, labels, planes, 2.5 * self.noise_m)
         labels = kernels.claim_edges(self.heights, labels, planes, open_, near_m, 3, 4)
-        far_m = max(1.5 * near_m, 4.5 * self.noise_m)
+        far_m = max(error_m, 4.5 * self.noise_m)
         return kernels.claim_edges(self.heights, labels, planes, open_, far_m, 3, 5), planes
 
     def _keep(self, found: Labels, planes: Floats) -> None:

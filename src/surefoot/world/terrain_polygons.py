@@ -169,15 +169,19 @@ class _Builder:
         mask = self.found.labels[place] == label
         normal, offset_m = self._plane(label)
         rise = normal[2]
+        if rise < math.cos(math.radians(self.options.max_slope_deg)):
+            self.classes[place][mask] = CellClass.STEEP
+            return
         least_m2 = self.options.min_area_m2 * rise
         inset, plain_cells = inset_outline(mask, self.options.margin_m / cell_m, least_m2 / cell_m**2)
-        parts = [part for part in shapely.get_parts(self._placed(inset, place)) if part.area > 0]
-        pieces = [piece for part in parts for piece in convex_pieces(part, 0.0)]
-        kept = [piece for piece in pieces if area_of(piece) >= least_m2]
-        lost_m2 = sum(area_of(piece) for piece in pieces if area_of(piece) < least_m2)
+        parts = shapely.get_parts(self._placed(inset, place))
+        pieces = [piece for part in parts if part.area >= least_m2 for piece in convex_pieces(part)]
+        areas = [area_of(piece) for piece in pieces]
+        kept = [piece for piece, area in zip(pieces, areas, strict=True) if area >= least_m2]
+        lost = [*(area for area in areas if area < least_m2), *(part.area for part in parts if part.area < least_m2)]
         self.plain_m2 += plain_cells * cell_m**2
-        self.small += len(pieces) - len(kept)
-        self.small_m2 += lost_m2
+        self.small += len(lost)
+        self.small_m2 += sum(lost)
         if inset.is_empty and plain_cells > 0:
             self.small, self.small_m2 = self.small + 1, self.small_m2 + plain_cells * cell_m**2
         if not kept:
