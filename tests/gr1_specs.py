@@ -33,13 +33,13 @@ VARIABLES = (Variable("a"), Variable("n", 0, 2), Variable("b_1"), Variable("m", 
 
 
 def random_specification(
-    source: random.Random, *, integers: bool = True, most_lines: int = 2, depth: int = 3
+    source: random.Random, *, integers: bool = True, most_lines: int = 2, depth: int = 3, most_outputs: int = 2
 ) -> Specification:
-    """Return a specification of at most two inputs and one or two outputs, every section filled at random."""
+    """Return a specification of at most two inputs and one or more outputs, every section filled at random."""
     pool = [v for v in VARIABLES if integers or v.is_boolean]
     source.shuffle(pool)
     inputs = tuple(pool[: source.randint(0, 2)])
-    outputs = tuple(pool[len(inputs) : len(inputs) + source.randint(1, 2)])
+    outputs = tuple(pool[len(inputs) : len(inputs) + source.randint(1, most_outputs)])
     now = [(v, False) for v in inputs + outputs]
     after_inputs = [(v, True) for v in inputs]
     after = [(v, True) for v in inputs + outputs]

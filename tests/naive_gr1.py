@@ -13,6 +13,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surefoot.logic import Conjunct, Evaluator, Specification, Transducer
 from surefoot.logic.transducer import NO_MOVE, Player
@@ -38,27 +39,51 @@ class Game:
         self.evaluate = Evaluator(spec)
         self.inputs = len(spec.inputs)
         self.states: list[State] = list(product(*(v.values for v in spec.variables)))
-        self.moves: dict[State, list[State]] = {s: self._moves(s) for s in self.states}
-        self.answers = {(s, i): self._answers(s, i) for s in self.states for i in self.moves[s]}
-        edges = [(s, t) for (s, _), targets in self.answers.items() for t in targets]
-        self.goals = [self._edges_with(c, edges) for c in spec.sys_liveness] or [set(edges)]
-        self.justices = [self._edges_with(c, edges) for c in spec.env_liveness] or [set(edges)]
+        choices: list[State] = list(product(*(v.values for v in spec.inputs)))
+        per_input = len(self.states) // len(choices)
+        self.table = np.array(self.states, dtype=np.int64).reshape(len(self.states), len(spec.variables))
+        allowed = self.everywhere(spec.environment_safety)[:, ::per_input]
+        answers = self.everywhere(spec.system_safety)
+        self.moves: dict[State, list[State]] = {}
+        self.answers: dict[tuple[State, State], list[State]] = {}
+        for s, state in enumerate(self.states):
+            self.moves[state] = [choices[i] for i in np.flatnonzero(allowed[s])]
+            for i in np.flatnonzero(allowed[s]):
+                block = answers[s, i * per_input : (i + 1) * per_input]
+                self.answers[state, choices[i]] = [self.states[i * per_input + t] for t in np.flatnonzero(block)]
+        legal = np.repeat(allowed, per_input, axis=1) & answers
+        self.goals = [self._edges_with(c, legal) for c in spec.sys_liveness] or [self._edges_with(None, legal)]
+        self.justices = [self._edges_with(c, legal) for c in spec.env_liveness] or [self._edges_with(None, legal)]
 
-    def holds(self, conjuncts: Iterable[Conjunct], now: State, after: State = ()) -> bool:
+    def everywhere(self, conjuncts: Iterable[Conjunct]) -> NDArray[np.bool_]:
+        """Return (states, states) on which steps some lines hold; what needs no next outputs is judged with any."""
         names = [v.name for v in self.spec.variables]
-        current, following = dict(zip(names, now, strict=False)), dict(zip(names, after, strict=False))
-        return all(bool(self.evaluate(c.expression, current, following)) for c in conjuncts)
+        now = {name: self.table[:, k][:, None] for k, name in enumerate(names)}
+        after = {name: self.table[:, k][None, :] for k, name in enumerate(names)}
+        holds = np.ones((len(self.states), len(self.states)), dtype=np.bool_)
+        for conjunct in conjuncts:
+            holds &= self.evaluate(conjunct.expression, now, after)
+        return holds
 
-    def _moves(self, state: State) -> list[State]:
-        choices = product(*(v.values for v in self.spec.inputs))
-        return [i for i in choices if self.holds(self.spec.environment_safety, state, i)]
+    def holds(self, conjuncts: Iterable[Conjunct], now: State) -> bool:
+        """Return whether some lines without primes hold."""
+        names = [v.name for v in self.spec.variables]
+        current = dict(zip(names, now, strict=False))
+        return all(bool(self.evaluate(c.expression, current)) for c in conjuncts)
 
-    def _answers(self, state: State, inputs: State) -> list[State]:
-        choices = (inputs + o for o in product(*(v.values for v in self.spec.outputs)))
-        return [t for t in choices if self.holds(self.spec.system_safety, state, t)]
+    def _edges_with(self, conjunct: Conjunct | None, legal: NDArray[np.bool_]) -> set[Edge]:
+        holds = legal if conjunct is None else legal & self.everywhere([conjunct])
+        return {(self.states[s], self.states[t]) for s, t in zip(*np.nonzero(holds), strict=True)}
 
-    def _edges_with(self, conjunct: Conjunct, edges: list[Edge]) -> set[Edge]:
-        return {(s, t) for s, t in edges if self.holds([conjunct], s, t)}
+    def reachable(self) -> set[State]:
+        """Return the states that plays visit in which both players keep their safety."""
+        queue = [s for s in self.states if self.holds(self.spec.env_init, s) and self.holds(self.spec.sys_init, s)]
+        seen = set(queue)
+        for state in queue:
+            for inputs in self.moves[state]:
+                queue += [t for t in self.answers[state, inputs] if t not in seen]
+                seen.update(self.answers[state, inputs])
+        return seen
 
     def system_pre(self, good: Callable[[Edge], bool]) -> set[State]:
         """Return from where the system can answer every move with a good edge."""
@@ -78,19 +103,31 @@ def solve_naively(spec: Specification, *, semantics: str = "slugs", env_dead_end
     """Solve a tiny specification."""
     game = Game(spec, env_dead_end=env_dead_end)
     winning, layers = _system_fixpoint(game)
+    bad, starts = _starts(game, winning, semantics)
+    if bad is None:
+        return Answer(True, _system_strategy(game, winning, layers, starts))
+    return Answer(False, _environment_strategy(game, starts, bad))
+
+
+def decide_naively(game: Game, *, semantics: str = "slugs") -> bool:
+    """Return whether a tiny specification is realizable."""
+    winning, _ = _system_fixpoint(game)
+    return _starts(game, winning, semantics)[0] is None
+
+
+def _starts(game: Game, winning: set[State], semantics: str) -> tuple[State | None, list[State]]:
+    """Return initial inputs that the environment wins with (None: there are none), and the initial states of a play."""
+    spec = game.spec
     starts = [s for s in game.states if game.holds(spec.env_init, s) and game.holds(spec.sys_init, s)]
-    first_inputs = [i for i in product(*(v.values for v in spec.inputs)) if game.holds(spec.env_init, i)]
-    by_inputs = {i: [s for s in starts if s[: game.inputs] == i] for i in first_inputs}
     if semantics == "robotics":
         bad = next((s for s in starts if s not in winning), None)
-        if bad is None:
-            return Answer(True, _system_strategy(game, winning, layers, starts))
-        return Answer(False, _environment_strategy(game, [bad], bad[: game.inputs]))
+        return (None, starts) if bad is None else (bad[: game.inputs], [bad])
+    first_inputs = [i for i in product(*(v.values for v in spec.inputs)) if game.holds(spec.env_init, i)]
+    by_inputs = {i: [s for s in starts if s[: game.inputs] == i] for i in first_inputs}
     lost = next((i for i, states in by_inputs.items() if not winning & set(states)), None)
     if lost is None:
-        chosen = [next(s for s in states if s in winning) for states in by_inputs.values()]
-        return Answer(True, _system_strategy(game, winning, layers, chosen))
-    return Answer(False, _environment_strategy(game, by_inputs[lost], lost))
+        return None, [next(s for s in states if s in winning) for states in by_inputs.values()]
+    return lost, by_inputs[lost]
 
 
 Layers = list[list[list[set[State]]]]

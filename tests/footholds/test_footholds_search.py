@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from surefoot.footholds import solve
-from surefoot.footholds.gaits import NAMED
+from surefoot.footholds import read_problem, retarget, retargeted, solve
 from surefoot.footholds.generators import FAMILIES, problem_of, strips
 
 
@@ -80,23 +80,32 @@ def test_the_fast_path_says_when_a_premise_fails() -> None:
 
 
 def test_the_papers_model_certifies_what_tips() -> None:
-    """A leap takes off from the hind feet alone: without moment balance nothing says that the base pitches."""
-    leap = replace(problem_of("stones-8", 0), gait=NAMED["leap-1.5s"])
-    ground = replace(strips(0), step_s=0.025).polygons[:1]
-    problem = replace(leap, polygons=ground, feet_m=_flat_feet(), goal_m=np.array([0.05, 0.0, 0.29]))
+    """A second on the two left legs: in the paper's model forces exert no moment, so that nothing tips."""
+    problem = read_problem(Path(__file__).parents[2] / "scenes/footholds/tipping.yaml")
     free = solve(problem, why=False)
+    assert free.verdict == "feasible"
     assert free.plan is not None
     moments = np.cross(problem.levers_m, free.plan.forces_n).sum(axis=1)
-    assert np.abs(moments[:, 1]).max() > problem.robot.base_torque_max_nm / 3
+    assert np.abs(moments[:, 0]).max() > 15
     assert np.abs(free.plan.rpy_rad).max() == 0.0
     balanced = solve(replace(problem, options=replace(problem.options, moment_balance=True)), why=False)
-    assert balanced.verdict == "infeasible" or (
-        balanced.plan is not None and np.abs(balanced.plan.rpy_rad).max() > 0.01
-    )
+    assert balanced.verdict == "infeasible"
+    assert "Farkas" in balanced.certificate
 
 
-def _flat_feet() -> np.ndarray:
-    return np.array([[0.1805, 0.1308, 0.0], [0.1805, -0.1308, 0.0], [-0.1805, 0.1308, 0.0], [-0.1805, -0.1308, 0.0]])
+def test_moves_the_goal_to_where_all_feet_find_a_stone() -> None:
+    problem = problem_of("stones-8", 0)
+    wished = replace(problem, goal_m=np.array([0.8, 0.12, 0.29]))
+    found = retarget(wished)
+    assert found.verdict == "feasible"
+    assert found.position_m is not None
+    assert found.feet_m is not None
+    assert found.shift_m is not None
+    assert np.abs(found.position_m[:2] - found.feet_m[:, :2].mean(axis=0)).max() <= 0.05 + 1e-6
+    for foot, ground in zip(found.feet_m, found.polygons, strict=True):
+        assert problem.polygons[ground].excess(foot) < 1e-6
+    assert np.abs(retargeted(wished, found).goal_m - wished.goal_m).max() <= 0.15 + 1e-6
+    assert retarget(replace(problem, goal_m=np.array([5.0, 0.0, 0.29]))).verdict == "infeasible"
 
 
 @pytest.mark.parametrize("family", FAMILIES)

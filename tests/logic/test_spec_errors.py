@@ -108,7 +108,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         stream.truncate(100_000_000)
     binary.write_bytes(b"[INPUT]\na\n\xff\xfe")
     for path, complaint in [
-        (huge, "is too large; at most 16000000 bytes are read"),
+        (huge, "is too large; at most 8000000 bytes are read"),
         (binary, "binary.slugsin:3: is no text in UTF-8"),
         (tmp_path, "is no file"),
         (tmp_path / "none", "does not exist"),

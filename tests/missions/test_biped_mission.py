@@ -126,3 +126,61 @@ def test_an_unreachable_goal_names_the_cells_in_between(scenes: Path, tmp_path: 
     )
     with pytest.raises(InputError, match=r"blocked cells \(2, 3\) separate"):
         plan_mission(scenario, tmp_path / "plan")
+
+
+def test_planning_never_touches_a_folder_with_other_files(scenes: Path, tmp_path: Path) -> None:
+    (tmp_path / "plan.json").write_text("{}")
+    (tmp_path / "thesis.tex").write_text("years of work")
+    with pytest.raises(InputError, match=r"thesis\.tex"):
+        plan_mission(scenes / "tutorial_mission.yaml", tmp_path)
+    assert (tmp_path / "thesis.tex").read_text() == "years of work"
+
+
+def test_a_plan_json_of_another_kind_is_not_replaced(scenes: Path, tmp_path: Path) -> None:
+    (tmp_path / "plan.json").write_text('{"kind": "something else"}')
+    with pytest.raises(InputError, match="not a plan"):
+        plan_mission(scenes / "tutorial_mission.yaml", tmp_path)
+    assert (tmp_path / "plan.json").read_text() == '{"kind": "something else"}'
+
+
+def test_an_older_plan_is_replaced(scenes: Path, tmp_path: Path) -> None:
+    first = plan_mission(scenes / "tutorial_mission.yaml", tmp_path / "plan")
+    second = plan_mission(scenes / "tutorial_mission.yaml", tmp_path / "plan")
+    assert first.verified
+    assert second.verified
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["plan"]
+
+
+def test_walking_numbers_that_do_not_walk_for_ever_are_announced(scenes: Path, tmp_path: Path) -> None:
+    """Turns of 30 degrees win both games, but the planner runs into steps without a safe candidate."""
+    scenario = tmp_path / "mission.yaml"
+    text = (scenes / "tutorial_mission.yaml").read_text().replace("map: ", f"map: {scenes}/")
+    scenario.write_text(text + "walking: {turn_angle_deg: 30}\n")
+    answer = plan_mission(scenario, tmp_path / "plan")
+    assert answer.realizable
+    assert any("trial walks" in note for note in answer.notes)
+
+
+def test_a_script_is_followed_and_checked(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
+    scenario = scenes / "tutorial_mission.yaml"
+    script = tmp_path / "script.yaml"
+    script.write_text("{format: 1, kind: obstacle-script, positions_m: [[4.05, 9.45], [4.05, 9.45], [4.05, 12.15]]}")
+    answer = run_mission(
+        scenario, tutorial_plan, steps=60, seed=0, obstacle="scripted", script=script, out=tmp_path / "run"
+    )
+    assert answer.verified, answer.findings
+    log = (tmp_path / "run" / "run.jsonl").read_text().splitlines()
+    turns = [record for record in map(json.loads, log) if record["record"] == "turn"]
+    assert [turn["obstacles"] for turn in turns[:5]] == [[[1, 1]], [[2, 1]], [[2, 1]], [[1, 1]], [[1, 1]]]
+
+
+@pytest.mark.parametrize(
+    "positions", ["[[17.55, 4.05]]", "[[1, 1]]", "[[1e400, 1]]", "[[.nan, 1]]", "[[true, 1]]", "7", "[[4.05]]"]
+)
+def test_a_bad_script_leaves_no_log(positions: str, tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
+    script = tmp_path / "script.yaml"
+    script.write_text(f"format: 1\nkind: obstacle-script\npositions_m: {positions}\n")
+    scenario = scenes / "tutorial_mission.yaml"
+    with pytest.raises(InputError, match=r"script\.yaml"):
+        run_mission(scenario, tutorial_plan, steps=9, seed=0, obstacle="scripted", script=script, out=tmp_path / "run")
+    assert not (tmp_path / "run").exists()

@@ -80,7 +80,11 @@ def test_defaults(tmp_path: Path) -> None:
     assert scenario.robot == "digit"
     assert not scenario.obstacles
     assert not scenario.belief_regions
-    assert (scenario.navigation.view, scenario.navigation.corners, scenario.navigation.belief) == ("post", "visible", None)
+    assert (scenario.navigation.view, scenario.navigation.corners, scenario.navigation.belief) == (
+        "post",
+        "visible",
+        None,
+    )
     assert scenario.walking.given() == {}
 
 

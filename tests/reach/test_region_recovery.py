@@ -15,7 +15,6 @@ from surefoot.errors import InputError, LimitExceeded, UnsafeStepError
 from surefoot.reach import (
     Controller,
     Disturbance,
-    GridSpec,
     Law,
     Reading,
     Settings,
@@ -118,7 +117,7 @@ def test_the_library_holds_every_transition_and_comes_from_the_cache(
 ) -> None:
     library = region_library(steps, RATE, cache=tmp_path)
     assert library.empty == {}
-    assert len(list(tmp_path.glob("*.npz"))) == len(set(step.transition for step in steps))
+    assert len(list(tmp_path.glob("*.npz"))) == len({step.transition for step in steps})
     stamps = {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
     again = region_library(steps, RATE, cache=tmp_path)
     assert {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()} == stamps
@@ -198,9 +197,3 @@ def test_the_sloped_pendulum_stays_in_its_plane(a: float, b: float, x: float, y:
 def test_a_plane_below_the_foot_is_refused() -> None:
     with pytest.raises(InputError, match="above the foot"):
         _ = SlopedPendulum(1.0, 0.0, 0.8, (-1.0, 0.0)).omega_radps
-
-
-def test_coarse_cells_are_enough_for_a_quick_answer() -> None:
-    coarse = Settings(Disturbance(Reading.RATE), grid=GridSpec(0.004, 0.008))
-    fine = synthesize(Transition(0.416, (0.3, 0.6)), RATE)
-    assert synthesize(Transition(0.416, (0.3, 0.6)), coarse).area["fhws"] <= fine.area["fhws"]

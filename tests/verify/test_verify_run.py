@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.verify import verify_path
 
@@ -60,6 +61,13 @@ def teleport(records: Records) -> None:
 def narrow(records: Records) -> None:
     hidden = next(record for record in records if record.get("hidden"))
     hidden["hidden"].pop()
+
+
+def conceal(records: Records) -> None:
+    """Drop the turn from the list before a turn."""
+    steps = [record for record in records if record["record"] == "step"]
+    turning = next(step for step in steps if step["heading_change_rad"])
+    steps[turning["step"] - 1].update(next_heading_changes_rad=[0.0])
 
 
 def drop(kind: str, place: int) -> Change:
@@ -129,6 +137,50 @@ DOCTORED: dict[str, tuple[Change, str]] = {
         lambda r: r.insert(-1, {"record": "unsafe", "step": 120, "time_s": 1e6, "reason": "none"}),
         "rules.md 6, unsafe step",
     ),
+    "a swing foot elsewhere": (lambda r: shifted(of(r, "step", 3), "swing_from_m", 0.01), "formats.md 3, swing foot"),
+    "a swing foot too low": (lambda r: shifted(of(r, "step", 3), "swing_from_m", -0.1, 2), "formats.md 3, swing foot"),
+    "a faster swing foot": (
+        lambda r: shifted(of(r, "step", 3), "swing_velocity_mps", 5, 0),
+        "formats.md 3, swing foot",
+    ),
+    "a swing foot lifted elsewhere": (
+        lambda r: shifted(of(r, "step", 3), "swing_lift_m", 1),
+        "formats.md 3, swing foot",
+    ),
+    "a swing foot that rises from a stand": (
+        lambda r: shifted(of(r, "step", 0), "swing_velocity_mps", 1, 2),
+        "formats.md 3, standing posture",
+    ),
+    "another foot that stands elsewhere": (
+        both(
+            lambda r: shifted(of(r, "step", 0), "swing_from_m", 0.01, 0),
+            lambda r: shifted(of(r, "step", 0), "swing_lift_m", 0.01, 0),
+        ),
+        "formats.md 3, standing posture",
+    ),
+    "a robot that leans at the start": (
+        lambda r: shifted(of(r, "step", 0), "rise_com_m", 0.001),
+        "formats.md 3, standing posture",
+    ),
+    "a start beside the cell's centre": (
+        lambda r: shifted(of(r, "step", 0), "waypoint_m", 0.001),
+        "formats.md 3, standing posture",
+    ),
+    "a foot set down without a stop": (
+        lambda r: of(r, "step", 3).update(closing_foot_m=of(r, "step", 3)["foot_m"]),
+        "rules.md 6, continuity",
+    ),
+    "no next heading change": (
+        lambda r: of(r, "step", 3).update(next_heading_changes_rad=[]),
+        "formats.md 3, next_heading_changes_rad",
+    ),
+    "a next heading change of junk": (
+        lambda r: of(r, "step", 3)["next_heading_changes_rad"].append(1e-3),
+        "formats.md 3, next_heading_changes_rad",
+    ),
+    "a concealed turn": (conceal, "formats.md 3, next_heading_changes_rad"),
+    "fewer steps than the header says": (lambda r: r[0].update(steps=121), "formats.md 3, steps"),
+    "more steps than the header says": (lambda r: r[0].update(steps=119), "formats.md 3, steps"),
     "more steps than walked": (lambda r: of(r, "end").update(steps=121), "formats.md 3, end record"),
     "more goals than reached": (lambda r: of(r, "end").update(goals_reached=[99, 99]), "formats.md 3, end record"),
 }
@@ -176,9 +228,60 @@ def test_log_of_another_plan_is_bad_input(run: Path) -> None:
         lambda r: of(r, "turn", 1).update(order="fly"),
         lambda r: r.insert(1, {"record": "dream"}),
         lambda r: r[0].update(format=9),
+        lambda r: r[0].update(format=1.0),
+        lambda r: r[0].update(format=True),
+        lambda r: r[0].update(seed=-1),
+        lambda r: r[0].update(seed=1.5),
+        lambda r: r[0].update(seed=True),
+        lambda r: r[0].update(policy="kind"),
+        lambda r: r[0].update(steps=-1),
     ],
 )
 def test_malformed_log_is_bad_input(run: Path, doctor: Change) -> None:
     change(run, doctor)
     with pytest.raises(InputError, match=r"run\.jsonl"):
         verify_path(run)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
+def test_number_that_is_not_finite_is_named_with_its_line(run: Path, value: float) -> None:
+    change(run, lambda records: of(records, "step", 3)["foot_m"].__setitem__(0, value))
+    name, lines = json.dumps(value), (run / "run.jsonl").read_text().splitlines()
+    line = 1 + next(index for index, text in enumerate(lines) if name in text)
+    with pytest.raises(InputError, match=rf"run\.jsonl:{line}: foot_m: holds {name}, which is no number of JSON"):
+        verify_path(run)
+
+
+@pytest.mark.parametrize(("key", "value"), [("verified", False), ("format", 1.0), ("format", True)])
+def test_run_of_a_plan_that_is_none_is_bad_input(run: Path, key: str, value: object) -> None:
+    plan = run.parent / "plan" / "plan.json"
+    sound = plan.read_text()
+    try:
+        plan.write_text(json.dumps({**json.loads(sound), key: value}))
+        change(run, lambda records: records[0]["plan"].update(sha256=sha256_of(plan)))
+        with pytest.raises(InputError, match=rf"plan\.json.*{key}"):
+            verify_path(run)
+    finally:
+        plan.write_text(sound)
+
+
+def give_up(records: Records) -> None:
+    """Let the walk end in many decisions to wait."""
+    records[0]["steps"] += 1
+    wait = {**of(records, "turn", -1), "order": "wait north"}
+    end = records.pop()
+    records.extend([wait] * 1001 + [end])
+
+
+def test_walk_that_was_given_up_is_incomplete_without_blame_for_its_length(run: Path) -> None:
+    change(run, give_up)
+    report = verify_path(run)
+    assert not report.counts["complete"]
+    assert "formats.md 3, steps" not in {finding.rule for finding in report.findings}
+
+
+def test_walk_that_ends_early_with_an_unsafe_step_is_incomplete(run: Path) -> None:
+    change(run, lambda records: (records[0].update(steps=200), DOCTORED["an unsafe step"][0](records)))
+    report = verify_path(run)
+    assert not report.counts["complete"]
+    assert {finding.rule for finding in report.findings} == {"rules.md 6, unsafe step"}

@@ -51,7 +51,7 @@ def _rows(found: dict[str, object]) -> list[str]:
 
     rows = ["  window [m/s]  length [m]  table law  paper  barrier law  table law, any instant"]
     columns = [found["table"], found["barrier"], found["random_instant"]]
-    for cells in zip(*columns, strict=True):  # type: ignore[call-overload]
+    for cells in zip(*columns, strict=True):
         table, barrier, anytime = cells
         if isinstance(table, TableCell):
             window = f"{table.window_mps[0]:g}-{table.window_mps[1]:g}"

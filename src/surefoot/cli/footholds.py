@@ -29,6 +29,9 @@ def solve(
     time_limit_s: Annotated[
         float | None, typer.Option("--time-limit", min=1e-3, help="Overrides the file's, in seconds.")
     ] = None,
+    moved: Annotated[
+        bool, typer.Option("--retarget", help="Move the goal to the nearest feasible stance first.")
+    ] = False,
     gap: Annotated[float | None, typer.Option("--gap", min=1e-9, max=0.99, help="Overrides the file's.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -43,7 +46,8 @@ def solve(
     """
     from dataclasses import replace
 
-    from surefoot.footholds import read_problem, write_plan
+    from surefoot.footholds import read_problem, retargeted, write_plan
+    from surefoot.footholds import retarget as retarget_goal
     from surefoot.footholds import solve as solve_problem
 
     read = read_problem(problem)
@@ -51,6 +55,9 @@ def solve(
         read = replace(read, options=replace(read.options, time_limit_s=time_limit_s))
     if gap is not None:
         read = replace(read, options=replace(read.options, gap=gap))
+    if moved:
+        found = retarget_goal(read)
+        read = retargeted(read, found) if found.position_m is not None else read
     solution = solve_problem(read)
     if output is not None:
         write_plan(output, read, solution)
@@ -80,7 +87,7 @@ def _lines(solution: Solution) -> list[str]:
             "objective": solution.objective,
             "bound": solution.bound if solution.bound is not None else "none",
             "gap": solution.gap,
-            "gap without gravity": solution.net_gap,
+            "gap without gravity": "none" if solution.net_gap is None else solution.net_gap,
             "worst residual": solution.max_residual,
         }
     shown |= {"time to solve [ms]": solution.solve_ms, "time to certify [ms]": solution.certify_ms}
@@ -88,6 +95,28 @@ def _lines(solution: Solution) -> list[str]:
     head = solution.verdict.capitalize() + (f" ({solution.limit})" if solution.limit else "")
     why = [f"  because: {lack.text}" for lack in solution.explanation.lacks[:4]] if solution.explanation else []
     return [head, *why, *facts(shown), *(f"  note: {note}" for note in solution.notes)]
+
+
+@app.command("retarget")
+def retarget(problem: _ProblemFile, as_json: AsJson = False) -> None:
+    """Find the standing pose nearest to the goal in which all feet are on polygons.
+
+    The orientation stays; the base moves by at most 15, 10 and 10 cm.
+
+    Examples:
+      surefoot footholds retarget problem.yaml
+
+    Exit code 0: found; 1: there is none; 2: the problem file cannot be used.
+    """
+    from surefoot.footholds import read_problem
+    from surefoot.footholds import retarget as find
+
+    found = find(read_problem(problem))
+    shown: dict[str, Any] = {}
+    if found.position_m is not None and found.feet_m is not None:
+        shown = {"position [m]": found.position_m.tolist(), "moved [m]": found.shift_m, "polygons": found.polygons}
+    lines = [found.verdict.capitalize(), *facts({**shown, "time to solve [ms]": found.solve_ms})]
+    answer(found, lines, yes=found.verdict == "feasible", as_json=as_json)
 
 
 @app.command("animate")

@@ -23,7 +23,7 @@ def segment(
         Path,
         typer.Argument(
             metavar="SCAN",
-            help="Grey PNG, PGM or BMP; npy or npz; a rosbag2 folder, MCAP or bag with grid maps; planar regions (YAML, JSON).",
+            help="Grey picture (PNG, PGM, BMP), npy, npz, a bag (folder, MCAP) with grid maps, planar regions (YAML).",
             show_default=False,
         ),
     ],
@@ -47,7 +47,9 @@ def segment(
     message: Annotated[int, typer.Option(help="Message on the topic; negative numbers count from the last.")] = -1,
     margin_m: Annotated[float, typer.Option("--margin", help="Distance kept from edges: the foot's radius.")] = 0.02,
     max_slope_deg: Annotated[float, typer.Option("--max-slope", help="Steepest ground, in degrees.")] = 30.0,
-    max_error_m: Annotated[float, typer.Option("--max-error", help="Largest distance of ground from its polygon.")] = 0.02,
+    max_error_m: Annotated[
+        float, typer.Option("--max-error", help="Largest distance of ground from its polygon.")
+    ] = 0.02,
     max_roughness_m: Annotated[
         float, typer.Option("--max-roughness", help="Largest standard deviation of heights about their plane.")
     ] = 0.015,

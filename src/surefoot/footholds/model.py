@@ -112,6 +112,7 @@ def fixed_rows(build: RowBuilder, problem: Problem) -> None:
     clearance_rows(build, problem, motion)
     support_rows(build, problem, motion)
     moment_rows(build, problem, motion)
+    tilt_rows(build, problem, motion)
 
 
 def whole_cost(problem: Problem) -> Cost:
@@ -194,9 +195,15 @@ def _some(term: Term, samples: Index) -> Term:
 
 def region_rows(build: RowBuilder, problem: Problem, motion: Motion, choice: Choice) -> None:
     """Put every new foothold on its polygon, Eqs. (6)-(7), at the first sample of its stance."""
-    for number, footstep in enumerate(problem.footsteps):
-        hull = hull_of([problem.polygons[r] for r in choice[number]])
-        _inside(build, hull, motion.feet[footstep.touch, footstep.foot], number)
+    for number in range(len(problem.footsteps)):
+        foothold_rows(build, problem, motion, number, choice[number])
+
+
+def foothold_rows(build: RowBuilder, problem: Problem, motion: Motion, number: int, left: tuple[int, ...]) -> None:
+    """Put one foothold on the hull of the polygons that are left to it."""
+    footstep = problem.footsteps[number]
+    hull = hull_of([problem.polygons[r] for r in left])
+    _inside(build, hull, motion.feet[footstep.touch, footstep.foot], number)
 
 
 def _inside(build: RowBuilder, hull: Hull, foot: Quantity, number: int) -> None:
@@ -212,20 +219,28 @@ def _inside(build: RowBuilder, hull: Hull, foot: Quantity, number: int) -> None:
 
 def friction_rows(build: RowBuilder, problem: Problem, motion: Motion, choice: Choice) -> None:
     """Keep every force in the friction pyramid of the polygon its foot stands on, Eqs. (10)-(11)."""
-    assert motion.force is not None
     for foot in range(4):
-        for support, samples in _supports(problem, foot):
-            ids = (problem.start_polygons[foot],) if support < 0 else choice[support]
-            cone = cone_hull([problem.polygons[r] for r in ids])
-            force = motion.force[samples, foot]
-            terms = [(cone[None, :, a], force[:, a][:, None]) for a in range(3)]
-            build.add("friction", -INF, 0.0, terms, where=(samples[:, None], foot, np.arange(len(cone))))
+        for support in _supports(problem, foot):
+            left = (problem.start_polygons[foot],) if support < 0 else choice[support]
+            stance_rows(build, problem, motion, foot, support, left)
 
 
-def _supports(problem: Problem, foot: int) -> list[tuple[int, Index]]:
-    """Return the footsteps of a foot (-1 for the start foothold), each with the samples that it stands on it."""
+def stance_rows(
+    build: RowBuilder, problem: Problem, motion: Motion, foot: int, support: int, left: tuple[int, ...]
+) -> None:
+    """Keep the forces of one stance in the cone of the polygons that are left to it."""
+    assert motion.force is not None
+    samples = np.flatnonzero(problem.support_index[:, foot] == support)
+    cone = cone_hull([problem.polygons[r] for r in left])
+    force = motion.force[samples, foot]
+    terms = [(cone[None, :, a], force[:, a][:, None]) for a in range(3)]
+    build.add("friction", -INF, 0.0, terms, where=(samples[:, None], foot, np.arange(len(cone))))
+
+
+def _supports(problem: Problem, foot: int) -> list[int]:
+    """Return the footsteps of a foot, and -1 for the start foothold."""
     index = problem.support_index[:, foot]
-    return [(int(k), np.flatnonzero(index == k)) for k in np.unique(index[index > -2])]
+    return [int(support) for support in np.unique(index[index > -2])]
 
 
 def contact_rows(build: RowBuilder, problem: Problem, motion: Motion, rates: Rates) -> None:
@@ -282,19 +297,21 @@ def clearance_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
 
 def collision_rows(build: RowBuilder, problem: Problem, motion: Motion, choice: Choice) -> None:
     """Keep every foot in one free region at all samples of a window, Eqs. (29)-(31), where one region is left."""
-    if not problem.options.collision:
-        return
-    steps, windows = len(problem.footsteps), problem.windows()
-    for number, regions in enumerate(choice[steps:]):
-        if len(regions) == 1:
-            foot, window = divmod(number, len(windows))
-            matrix, bound = problem.free_regions[regions[0]]
-            samples = np.array(windows[window])
-            point = motion.feet[samples, foot]
-            terms = [(matrix[None, :, a], point[:, a][:, None]) for a in range(3)]
-            build.add(
-                "collision", -INF, bound, terms, where=(samples[:, None], number, np.arange(len(bound)), regions[0])
-            )
+    if problem.options.collision:
+        for number, regions in enumerate(choice[len(problem.footsteps) :]):
+            if len(regions) == 1:
+                window_rows(build, problem, motion, number, regions[0])
+
+
+def window_rows(build: RowBuilder, problem: Problem, motion: Motion, number: int, region: int) -> None:
+    """Keep one foot in one free region at all samples of one window."""
+    windows = problem.windows()
+    foot, window = divmod(number, len(windows))
+    matrix, bound = problem.free_regions[region]
+    samples = np.array(windows[window])
+    point = motion.feet[samples, foot]
+    terms = [(matrix[None, :, a], point[:, a][:, None]) for a in range(3)]
+    build.add("collision", -INF, bound, terms, where=(samples[:, None], number, np.arange(len(bound)), region))
 
 
 def support_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
@@ -322,6 +339,14 @@ def moment_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
         cross = _cross_matrices(lever[:, foot])
         terms += [(-cross[:, :, a], motion.force[:, foot, a][:, None]) for a in range(3)]
     build.add("moment", 0.0, 0.0, terms, where=(np.arange(problem.samples)[:, None], np.arange(3)))
+
+
+def tilt_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+    """Keep the orientation near its reference, about which the moments are linearised (``moment_balance``)."""
+    if problem.options.moment_balance and motion.orientation is not None:
+        limit, reference = problem.options.tilt_max_rad, problem.rpy_reference_rad
+        where = (np.arange(problem.samples)[:, None], np.arange(3))
+        build.add("tilt", reference - limit, reference + limit, [(1.0, motion.orientation)], where=where)
 
 
 def _cross_matrices(lever: np.ndarray) -> np.ndarray:

@@ -10,17 +10,17 @@ from surefoot.footholds.model import (
     Choice,
     Motion,
     clearance_rows,
-    collision_rows,
     cost_of,
     dynamics_rows,
-    friction_rows,
+    foothold_rows,
     reach_rows,
-    region_rows,
+    stance_rows,
     support_rows,
     torque_rows,
     whole_cost,
     whole_motion,
     whole_rows,
+    window_rows,
 )
 from surefoot.footholds.problem import Problem, impossible_cost
 from surefoot.footholds.qp import EquationBound, QpAnswer, broken_constant, solve_qp
@@ -67,15 +67,47 @@ class ReducedProgram:
             torque_rows(build, problem, self.motion)
         self.fixed = build.rows()
         self.certain = _CERTAIN * impossible_cost(problem)
+        self.blocks: dict[tuple[int, tuple[int, ...]], Rows] = {}
 
     def rows(self, choice: Choice) -> Rows:
-        """Return the rows for what a choice leaves open."""
-        build = RowBuilder(self.motion.size)
-        region_rows(build, self.problem, self.motion, choice)
+        """Return the rows for what a choice leaves open; blocks are kept, as most nodes share most of them."""
+        steps = self.problem.footsteps
+        parts = [self.fixed, *(self.step(number, choice[number]) for number in range(len(steps)))]
         if self.forces:
-            friction_rows(build, self.problem, self.motion, choice)
-        collision_rows(build, self.problem, self.motion, choice)
-        return stacked([self.fixed, build.rows()])
+            parts += [self.first_stance(foot) for foot in range(4)]
+        if self.problem.options.collision:
+            closed = [(number, left[0]) for number, left in enumerate(choice[len(steps) :]) if len(left) == 1]
+            parts += [self.window(number, region) for number, region in closed]
+        return stacked(parts)
+
+    def step(self, number: int, left: tuple[int, ...]) -> Rows:
+        """Return the rows of a footstep: its region, and its friction where forces are kept."""
+        key = (number, left)
+        if key not in self.blocks:
+            build = RowBuilder(self.motion.size)
+            foothold_rows(build, self.problem, self.motion, number, left)
+            if self.forces:
+                stance_rows(build, self.problem, self.motion, self.problem.footsteps[number].foot, number, left)
+            self.blocks[key] = build.rows()
+        return self.blocks[key]
+
+    def window(self, number: int, region: int) -> Rows:
+        """Return the rows of a window that a foot spends in one region."""
+        key = (len(self.problem.footsteps) + number, (region,))
+        if key not in self.blocks:
+            build = RowBuilder(self.motion.size)
+            window_rows(build, self.problem, self.motion, number, region)
+            self.blocks[key] = build.rows()
+        return self.blocks[key]
+
+    def first_stance(self, foot: int) -> Rows:
+        """Return the friction rows of a foot before its first swing."""
+        key = (-1 - foot, ())
+        if key not in self.blocks:
+            build = RowBuilder(self.motion.size)
+            stance_rows(build, self.problem, self.motion, foot, -1, (self.problem.start_polygons[foot],))
+            self.blocks[key] = build.rows()
+        return self.blocks[key]
 
     def solve(self, choice: Choice) -> Node:
         """Solve the program."""

@@ -40,6 +40,7 @@ class Options:
         collision: whether the feet keep to the free regions.
         collision_windows: how many windows the horizon is cut into for that.
         moment_balance: whether forces exert moments, about levers of the reference motion.
+        tilt_max_rad: with moment balance, largest deviation of each angle from its reference.
         com_support_m: largest distance of the base from the mean of the feet in contact, per horizontal axis, whenever
             three or more are; None for no such rows.
         pitch_keyframe: whether the reference pitch passes the slope of the motion half way.
@@ -51,6 +52,7 @@ class Options:
     collision: bool = False
     collision_windows: int = 30
     moment_balance: bool = False
+    tilt_max_rad: float = 0.35
     com_support_m: float | None = None
     pitch_keyframe: bool = False
     gap: float = 1e-4

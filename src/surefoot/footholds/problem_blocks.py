@@ -79,6 +79,9 @@ class OptionsBlock(Block):
     moment_balance: Annotated[bool, Field(description="let forces turn the base, about levers of the reference")] = (
         False
     )
+    tilt_max_rad: Annotated[
+        float, Field(gt=0, le=4, description="with moment balance: largest deviation of each angle from its reference")
+    ] = 0.35
     com_support_m: Annotated[
         Positive | None,
         Field(description="largest distance of the base from the mean of three or more feet in contact"),

@@ -18,9 +18,9 @@ from surefoot.footholds.problem import Problem
 from surefoot.footholds.rows import FAMILIES, Array, Rows
 from surefoot.footholds.search import Branch, Outcome
 
-_DROP = 1e-7
+_DROP = 1e-5
 _DROP_RELATIVE = 1e-12
-_PLAIN = ("reach", "clearance", "torque", "base torque", "support", "collision")
+_PLAIN = ("reach", "clearance", "torque", "base torque", "support", "collision", "tilt")
 
 
 @dataclass(frozen=True, slots=True)

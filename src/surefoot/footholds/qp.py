@@ -134,9 +134,7 @@ def _press(rows: Rows, unknowns: Array, multipliers: Array) -> float:
     return float(multipliers @ (rows.matrix @ unknowns) - multipliers @ limits)
 
 
-def scaled_ray(
-    cost: Cost, rows: Rows, unknowns: Array, multipliers: Array, certain: float
-) -> tuple[Array, float]:
+def scaled_ray(cost: Cost, rows: Rows, unknowns: Array, multipliers: Array, certain: float) -> tuple[Array, float]:
     """Return multipliers along a direction that prove most, and what they prove (a Farkas ray grows without limit)."""
     multipliers = multipliers / max(float(np.abs(multipliers).max(initial=0.0)), _LIMIT)
     if not (cost.curvature > 0).all():

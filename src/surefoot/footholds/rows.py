@@ -15,7 +15,7 @@ Index = NDArray[np.int64]
 
 FAMILIES = (
     "boundary", "integration", "dynamics", "moment", "region", "contact", "friction", "torque", "base torque",
-    "reach", "clearance", "collision", "support", "flight",
+    "reach", "clearance", "collision", "support", "flight", "tilt",
 )  # fmt: skip
 """What rows are about; the numbers in ``Rows.family`` count in this order."""
 
@@ -94,8 +94,18 @@ class Rows:
 
 def stacked(parts: Sequence[Rows]) -> Rows:
     """Return several blocks of rows over the same unknowns as one."""
+    counts = [np.diff(part.matrix.indptr) for part in parts]
+    starts = np.concatenate([[0], np.cumsum(np.concatenate(counts))])
+    matrix = sp.csr_matrix(
+        (
+            np.concatenate([part.matrix.data for part in parts]),
+            np.concatenate([part.matrix.indices for part in parts]),
+            starts,
+        ),
+        shape=(len(starts) - 1, parts[0].matrix.shape[1]),
+    )
     return Rows(
-        sp.vstack([part.matrix for part in parts], format="csr"),
+        matrix,
         np.concatenate([part.lower for part in parts]),
         np.concatenate([part.upper for part in parts]),
         np.concatenate([part.family for part in parts]),

@@ -10,15 +10,24 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
 from surefoot.footholds.model import Choice, decided
-from surefoot.footholds.nodes import Node, Program
+from surefoot.footholds.nodes import Node
 from surefoot.footholds.problem import Problem, impossible_cost
 from surefoot.footholds.rows import Array
 
 _INSIDE_M = 1e-7
+
+
+class Convex(Protocol):
+    """What the search needs of a program."""
+
+    def solve(self, choice: Choice) -> Node:
+        """Solve the program for what a choice leaves open."""
+        ...
 
 
 @dataclass(slots=True, eq=False)
@@ -74,7 +83,7 @@ Accept = Callable[[Choice, Node], bool]
 
 def search(
     problem: Problem,
-    program: Program,
+    program: Convex,
     root: Choice,
     *,
     gap: float,
@@ -98,7 +107,7 @@ def search(
 
 class _Search:
     def __init__(
-        self, problem: Problem, program: Program, root: Choice, gap: float, stop: Callable[[], bool], accept: Accept
+        self, problem: Problem, program: Convex, root: Choice, gap: float, stop: Callable[[], bool], accept: Accept
     ) -> None:
         self.problem, self.program, self.gap, self.stop, self.accept = problem, program, gap, stop, accept
         self.outcome = Outcome(Branch(root, -np.inf))

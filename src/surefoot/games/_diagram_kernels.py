@@ -1,7 +1,8 @@
 """Compiled walks over decision diagrams that were written out as tables.
 
 A table has one row a node: the variable, and the rows for false and true. Rows 0 and 1 are the constants. A set of
-diagrams is walked at once, variable by variable; a branch ends where one of them is false. Importing this imports numba.
+diagrams is walked at once, variable by variable; a branch ends where one of them is false. Importing this module
+imports numba.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from itertools import count
 from math import inf
 from time import monotonic
@@ -12,14 +13,14 @@ from typing import TypeVar
 from surefoot.compute import Deadline
 from surefoot.errors import LimitExceeded
 from surefoot.games.bits import BitGame
-from surefoot.games.diagrams import Backend
+from surefoot.games.diagrams import Backend, Set
 from surefoot.games.ordering import variable_orders
 from surefoot.games.relation import OutOfWork
 from surefoot.games.solution import EnvDeadEnd
 from surefoot.games.symbolic import SymbolicGame, SymbolicResult, solve_symbolically
 
-_FIRST_SHARE = 3_000_000  # nodes of intermediate results; about two seconds
-_GROWTH = 6
+FIRST_SHARE = 400_000  # nodes of intermediate results; some tenths of a second
+_GROWTH = 5
 _GRACE_S = 0.5
 _T = TypeVar("_T")
 
@@ -34,6 +35,7 @@ def attempt(
     node_limit: int | None = None,
     keep_layers: bool = False,
     whole_region: bool = False,
+    most_work: int | None = None,
 ) -> tuple[SymbolicGame, SymbolicResult]:
     """Solve a game with one variable order, then with the other, with growing shares of work, until one is done.
 
@@ -42,10 +44,13 @@ def attempt(
 
     Raises:
         LimitExceeded: once the deadline or the node limit is passed.
+        OutOfWork: once both orders have used up ``most_work``.
     """
     orders = variable_orders(game)
     for turn in count():
-        share = _FIRST_SHARE * _GROWTH ** (turn // 2)
+        share = FIRST_SHARE * _GROWTH ** (turn // 2)
+        if most_work is not None and share > most_work:
+            raise OutOfWork
         try:
             solved = SymbolicGame(
                 game,
@@ -56,11 +61,19 @@ def attempt(
                 order=orders[turn % 2],
                 most_work=share,
             )
-            stop = (lambda z, g=solved: not g.wins_initially(z, robotics)) if not whole_region else (lambda z: False)
+            stop = _never if whole_region else partial(_is_lost, solved, robotics)
             return solved, solve_symbolically(solved, stop=stop, keep_layers=keep_layers)
         except OutOfWork:
             continue
     raise AssertionError
+
+
+def _is_lost(game: SymbolicGame, robotics: bool, winning: Set) -> bool:
+    return not game.wins_initially(winning, robotics)
+
+
+def _never(winning: Set) -> bool:
+    return False
 
 
 def watched(work: Callable[[], _T], deadline: Deadline) -> _T:

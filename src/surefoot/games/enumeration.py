@@ -1,8 +1,8 @@
 """A specification as an explicit arena over its reachable states, in the bits that matter.
 
-Nodes of the environment are states, told apart by which primed promises the last transition kept; nodes of the system are
-(what its rules read of the state, next inputs), so that states that leave it the same choice share one. The rules are
-walked as decision diagrams; nothing is enumerated that no play can reach.
+Nodes of the environment are states, told apart by which primed promises the last transition kept; nodes of the
+system are (what its rules read of the state, next inputs), so that states that leave it the
+same choice share one. The rules are walked as decision diagrams; nothing is enumerated that no play can reach.
 """
 
 from __future__ import annotations
@@ -70,7 +70,8 @@ class Enumeration:
     def _projected(self, move: Move, dropped: int) -> list[Set]:
         """Return a side's rules without the next bits that matter to nobody."""
         cube = mentions(self._encoder, dropped, following=True)
-        touched, rest = [], []
+        touched: list[Set] = []
+        rest: list[Set] = []
         for rule in move.rules:
             (touched if self._manager.exists(rule, cube) != rule else rest).append(rule)
         together = self._encoder.conjunction(touched)
@@ -112,6 +113,10 @@ class Enumeration:
             tables, base, env_first, env_targets, choices, sys_first, answers, (now, following, answered, state_bits)
         )
 
+    def states_of(self, states: Set, bits: Sequence[int]) -> Keys:
+        """Return a set of states that mentions no other bits, packed and rising."""
+        return self._all(Tables(self._manager), states, bits)
+
     def _all(self, tables: Tables, states: Set, bits: Sequence[int]) -> Keys:
         none = np.zeros(1, dtype=np.uint64)
         roots = np.array([tables.root(states)], dtype=np.int32)
@@ -149,7 +154,7 @@ class Enumeration:
         inputs = spread >> np.uint64(len(now))
         target = _packed(inputs, following, state_bits) | _packed(answers, answered, state_bits)
         flags = self._flags(tables, spread, inputs, answers, layout)
-        nodes, sys_targets, starts = self._nodes(base, target, flags)
+        nodes, sys_targets = self._nodes(base, target, flags)
         states, marks = nodes
         place = np.searchsorted(base, states)
         degree = np.diff(env_first)[place]
@@ -170,21 +175,17 @@ class Enumeration:
         )
         return Enumerated(arena, states, marks, choices, tuple(state_bits), tuple(now), tuple(following))
 
-    def _nodes(
-        self, base: Keys, target: Keys, flags: Keys
-    ) -> tuple[tuple[Keys, Keys], NDArray[np.intp], NDArray[np.intp]]:
+    def _nodes(self, base: Keys, target: Keys, flags: Keys) -> tuple[tuple[Keys, Keys], NDArray[np.intp]]:
         """Return the states and flags of the environment's nodes: all states without flags, and those entered."""
         if not flags.any():
             found = np.searchsorted(base, target)
-            return (base, np.zeros_like(base)), found, np.arange(base.size)
+            return (base, np.zeros_like(base)), found
         pairs = np.stack([np.concatenate([base, target]), np.concatenate([np.zeros_like(base), flags])], axis=1)
         unique, inverse = np.unique(pairs, axis=0, return_inverse=True)
         inverse = inverse.reshape(-1)
-        return (unique[:, 0].copy(), unique[:, 1].copy()), inverse[base.size :], inverse[: base.size]
+        return (unique[:, 0].copy(), unique[:, 1].copy()), inverse[base.size :]
 
-    def _flags(
-        self, tables: Tables, spread: Keys, inputs: Keys, answers: Keys, layout: tuple[list[int], ...]
-    ) -> Keys:
+    def _flags(self, tables: Tables, spread: Keys, inputs: Keys, answers: Keys, layout: tuple[list[int], ...]) -> Keys:
         """Return for every answer which promises about transitions it keeps, as a mask."""
         now, following, answered, _ = layout
         flags = np.zeros(spread.size, dtype=np.uint64)
@@ -219,7 +220,8 @@ class Enumeration:
                 row[: states.size] = (marks >> np.uint64(number)) & np.uint64(1) == 1
             rows.append(row)
         goals = len(self._game.goals)
-        return np.array(rows[:goals]).reshape(goals, nodes), np.array(rows[goals:], dtype=np.bool_).reshape(-1, nodes)
+        together = np.array(rows, dtype=np.bool_).reshape(len(rows), nodes)
+        return together[:goals], together[goals:]
 
     def _now(self, bits: Sequence[int]) -> NDArray[np.int64]:
         return np.array([self._encoder.now(bit) for bit in bits], dtype=np.int64)
@@ -237,3 +239,7 @@ def _packed(keys: Keys, bits: Sequence[int], wanted: Sequence[int]) -> Keys:
             result |= ((keys >> np.uint64(place[bit])) & np.uint64(1)) << np.uint64(k)
     return result
 
+
+def pack(state: NDArray[np.uint8], bits: Sequence[int]) -> int:
+    """Return chosen bits of a state as one number."""
+    return sum(int(state[bit]) << k for k, bit in enumerate(bits))

@@ -10,8 +10,8 @@ Source: Piterman, Pnueli and Sa'ar, VMCAI 2006, Sec. 5; Bloem et al., JCSS 78, 2
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Hashable, Iterator, Sequence
-from typing import Generic, TypeVar
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +21,23 @@ from surefoot.errors import LimitExceeded
 from surefoot.games.symbolic import Layer, SymbolicGame, SymbolicResult
 from surefoot.games.walks import Bits, Walker
 from surefoot.logic.syntax import Variable
-from surefoot.logic.transducer import NO_MOVE, Player, Transducer
+from surefoot.logic.transducer import NO_MOVE, Transducer
+from surefoot.logic.transducer import Player as Owner
 
 MOST_EDGES = 3_000_000
 M = TypeVar("M", bound=Hashable)
+
+
+class Player(Protocol):
+    """Plays for the system from states that it wins."""
+
+    def initial(self, robotics: bool) -> Iterable[tuple[Bits, int]]:
+        """Return the initial states that the strategy allows for, with their memory."""
+        ...
+
+    def answer(self, memory: int, state: Bits, inputs: Bits) -> tuple[int, Bits]:
+        """Return the next memory and the next outputs for a state, the memory and the next inputs."""
+        ...
 
 
 class SystemPlayer:
@@ -42,16 +55,17 @@ class SystemPlayer:
                 self._layer_root(goal, layer)
                 walker.tables.root(layers[layer].reached)
 
-    def initial_answers(self, robotics: bool) -> Iterator[Bits]:
-        """Return the initial states that the strategy allows for."""
+    def initial(self, robotics: bool) -> Iterator[tuple[Bits, int]]:
+        """Return the initial states that the strategy allows for, with their memory."""
         game, walker = self._game, self._walker
         if robotics:
-            yield from walker.states((game.env_init, game.sys_init))
+            for state in walker.states((game.env_init, game.sys_init)):
+                yield state, 0
             return
         for inputs in walker.inputs((game.env_init,)):
             candidates = walker.states((game.sys_init, self._z), inputs)
             ranks = [self.rank(0, state) for state in candidates]
-            yield candidates[int(np.argmin(ranks))]
+            yield candidates[int(np.argmin(ranks))], 0
 
     def rank(self, goal: int, state: Bits) -> int:
         """Return the first layer of a goal that contains a state of Z."""
@@ -115,23 +129,21 @@ class SystemPlayer:
 
 
 def system_machine(
-    game: SymbolicGame, result: SymbolicResult, *, robotics: bool, deadline: Deadline, most_edges: int = MOST_EDGES
+    walker: Walker, player: Player, *, robotics: bool, deadline: Deadline, most_edges: int = MOST_EDGES
 ) -> Transducer:
-    """Return the strategy of the system as a transducer of the reachable nodes.
+    """Return the strategy of a player of the system as a transducer of the reachable nodes.
 
     Raises:
         LimitExceeded: if it has more edges than allowed, or the deadline has passed.
     """
-    walker = Walker(game)
-    player = SystemPlayer(walker, result)
     nodes: Nodes[int] = Nodes(deadline, most_edges)
-    initial = [nodes.number(state, 0) for state in player.initial_answers(robotics)]
+    initial = [nodes.number(*place) for place in player.initial(robotics)]
     while (place := nodes.next()) is not None:
         state, memory = place
         for following in walker.next_inputs(state):
             goal, outputs = player.answer(memory, state, following)
             nodes.edge(np.concatenate([following, outputs]), goal)
-    return nodes.transducer(game, "system", initial, shown=lambda memory: memory)
+    return nodes.transducer(walker.game, "system", initial, shown=lambda memory: memory)
 
 
 class Nodes(Generic[M]):
@@ -172,7 +184,7 @@ class Nodes(Generic[M]):
     def transducer(
         self,
         game: SymbolicGame,
-        player: Player,
+        player: Owner,
         initial: Sequence[int],
         *,
         shown: Callable[[M], int],

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from surefoot.compute import Deadline
 from surefoot.errors import LimitExceeded
-from surefoot.games.bits import BitGame, bit_game
+from surefoot.games.bits import bit_game
 from surefoot.games.diagrams import Backend
 from surefoot.games.solution import FOREVER, EnvDeadEnd
 from surefoot.logic.syntax import Conjunct, Specification
 from surefoot.logic.transducer import Transducer
 from surefoot.verdict import Verdict
+
+if TYPE_CHECKING:
+    from surefoot.games.portfolio import Solved
 
 Semantics = Literal["slugs", "robotics"]
 EngineName = Literal["auto", "explicit", "symbolic"]
@@ -76,7 +79,8 @@ def synthesize(
 
     Args:
         spec: the specification.
-        semantics: ``slugs``: for every initial input there is a good initial output; ``robotics``: every initial state is good.
+        semantics: ``slugs``: for every initial input there is a good initial output; ``robotics``: every initial
+            state is good.
         engine: ``explicit``, ``symbolic``, or ``auto`` to choose by the number of reachable states.
         env_dead_end: who wins where the environment has no move, the system ("wins") or not ("loses").
         deadline: when to give up; the verdict is then unknown.
@@ -105,6 +109,17 @@ class _Question:
     node_limit: int | None
     backend: Backend
 
+    @property
+    def options(self) -> dict[str, Any]:
+        """All but the specification."""
+        return {
+            "robotics": self.robotics,
+            "env_dead_end": self.env_dead_end,
+            "deadline": self.deadline,
+            "node_limit": self.node_limit,
+            "backend": self.backend,
+        }
+
 
 def _check(semantics: str, engine: str, env_dead_end: str) -> None:
     for name, value, allowed in (
@@ -119,43 +134,30 @@ def _check(semantics: str, engine: str, env_dead_end: str) -> None:
 def _answer(question: _Question, engine: EngineName, realizability_only: bool) -> SynthesisAnswer:
     from surefoot.games.attempts import watched
 
+    return watched(lambda: _solve(question, engine, realizability_only), question.deadline)
+
+
+def _solve(question: _Question, engine: EngineName, realizability_only: bool) -> SynthesisAnswer:
+    from surefoot.games.portfolio import solve_by
+
     begin_s = time.process_time()
-    game = bit_game(question.spec)
-    answer = watched(lambda: _solve(question, game, realizability_only, begin_s), question.deadline)
-    return replace(answer, why_engine="it was asked for" if engine == "symbolic" else "the only one that applies")
-
-
-def _solve(question: _Question, game: BitGame, realizability_only: bool, begin_s: float) -> SynthesisAnswer:
-    from surefoot.games.attempts import attempt
-
-    solved, result = attempt(
-        game,
-        robotics=question.robotics,
-        env_dead_end=question.env_dead_end,
-        deadline=question.deadline,
-        backend=question.backend,
-        node_limit=question.node_limit,
-        keep_layers=not realizability_only,
+    solved = solve_by(bit_game(question.spec), engine, keep_layers=not realizability_only, **question.options)
+    verdict: Verdict[str] = (
+        Verdict.true() if solved.realizable else Verdict.false("the environment wins from an initial state")
     )
-    wins = solved.wins_initially(result.winning, question.robotics)
-    solve_s = time.process_time() - begin_s
-    verdict: Verdict[str] = Verdict.true() if wins else Verdict.false("the environment wins from an initial state")
-    answer = SynthesisAnswer(verdict, "symbolic", "", solve_s=solve_s)
-    if realizability_only:
-        return answer
-    from surefoot.games.counter import environment_machine
-    from surefoot.games.machines import system_machine
+    answer = SynthesisAnswer(
+        verdict, solved.engine, solved.why, states=solved.states, solve_s=time.process_time() - begin_s
+    )
+    return answer if realizability_only else _with_machine(answer, solved, question)
 
-    solved.encoder.most_work = None
+
+def _with_machine(answer: SynthesisAnswer, solved: Solved, question: _Question) -> SynthesisAnswer:
     begin_s = time.process_time()
     try:
-        if wins:
-            machine = system_machine(solved, result, robotics=question.robotics, deadline=question.deadline)
-            answer = replace(answer, strategy=machine)
-        else:
-            machine_or_none = environment_machine(solved, robotics=question.robotics, deadline=question.deadline)
-            answer = replace(answer, counter_strategy=machine_or_none)
+        machine = solved.machine(robotics=question.robotics, deadline=question.deadline)
     except LimitExceeded as limit:
         warning = Vacuity("no_strategy", f"no strategy was written out: {limit}")
         answer = replace(answer, warnings=(*answer.warnings, warning))
+    else:
+        answer = replace(answer, strategy=machine) if solved.realizable else replace(answer, counter_strategy=machine)
     return replace(answer, strategy_s=time.process_time() - begin_s)

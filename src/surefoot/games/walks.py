@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,11 +90,46 @@ class Walker:
         values[self._now] = state
         return self._completed(values, self._then[: self._inputs], (*self._env, *extra), most)
 
-    def answers(self, state: Bits, inputs: Bits, extra: Sequence[int] = (), most: int = 1 << 40) -> Bits:
-        """Return (n, outputs) the next outputs that the system's rules (and more conditions) allow."""
+    def answers(
+        self,
+        state: Bits,
+        inputs: Bits,
+        extra: Sequence[int] = (),
+        most: int = 1 << 40,
+        fixed: Mapping[int, int] | None = None,
+    ) -> Bits:
+        """Return (n, outputs) the next outputs that the system's rules (and more conditions) allow.
+
+        Args:
+            state: (bits,) the present state.
+            inputs: (inputs,) the next inputs.
+            extra: rows of further conditions.
+            most: stop after so many.
+            fixed: values of next bits that are known already.
+        """
         values = np.zeros(2 * self._bits, dtype=np.uint8)
         values[self._now], values[self._then[: self._inputs]] = state, inputs
-        return self._completed(values, self._then[self._inputs :], (*self._sys, *extra), most)
+        known = {bit: value for bit, value in (fixed or {}).items() if bit >= self._inputs}
+        open_bits = [bit for bit in range(self._inputs, self._bits) if bit not in known]
+        for bit, value in known.items():
+            values[self._then[bit]] = value
+        found = self._completed(values, self._then[open_bits], (*self._sys, *extra), most)
+        outputs = np.empty((len(found), self._bits - self._inputs), dtype=np.uint8)
+        outputs[:, [bit - self._inputs for bit in open_bits]] = found
+        for bit, value in known.items():
+            outputs[:, bit - self._inputs] = value
+        return outputs
+
+    def completed_states(self, functions: Iterable[Set], bits: Sequence[int], key: int) -> Bits:
+        """Return (n, bits) the states in all of some sets, with the bits packed in a key given."""
+        values = np.zeros(2 * self._bits, dtype=np.uint8)
+        for k, bit in enumerate(bits):
+            values[self._now[bit]] = key >> k & 1
+        open_bits = [bit for bit in range(self._bits) if bit not in set(bits)]
+        found = self._completed(values, self._now[open_bits], self.roots(functions), 1 << 40)
+        states = np.tile(values[self._now], (len(found), 1))
+        states[:, open_bits] = found
+        return states
 
     def states(self, functions: Iterable[Set], fixed_inputs: Bits | None = None, most: int = 1 << 40) -> Bits:
         """Return (n, bits) the states in all of some sets of states, those with given inputs when there are some."""

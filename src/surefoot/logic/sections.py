@@ -11,8 +11,9 @@ from surefoot.errors import InputError
 from surefoot.logic.building import Leaves
 from surefoot.logic.syntax import NAME, SECTIONS, Atom, Conjunct, Expression, Integer, Specification, Variable
 
-LARGEST_CHARACTERS = 16_000_000
-LARGEST_TOKENS = 3_000_000
+LARGEST_CHARACTERS = 8_000_000
+LARGEST_TOKENS = 1_000_000
+MOST_LINES = 400_000
 LARGEST_VALUE = 2**31 - 1
 RESERVED = frozenset({"TRUE", "FALSE"})
 _HEADER = re.compile(r"\[\s*([A-Za-z0-9_ ]*)\s*\]")
@@ -103,6 +104,8 @@ def outline(text: str, source: Path | None) -> Outline:
     """
     if len(text) > LARGEST_CHARACTERS:
         raise Place(source, 1).error(f"the file is too large; at most {LARGEST_CHARACTERS} characters are read")
+    if text.count("\n") >= MOST_LINES:
+        raise Place(source, MOST_LINES).error(f"the file is too long; at most {MOST_LINES} lines are read")
     found = Outline(source)
     section: str | None = None
     for number, raw in enumerate(text.split("\n"), start=1):

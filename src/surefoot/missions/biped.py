@@ -20,12 +20,13 @@ from surefoot.missions.biped_walk import BipedWalk
 from surefoot.missions.obstacle_policies import (
     Adversary,
     Policy,
+    Script,
     random_policy,
-    scripted_policy,
 )
-from surefoot.missions.plan_reader import read_plan
-from surefoot.missions.planning import reference
+from surefoot.missions.plan_reader import BipedPlan, read_plan
+from surefoot.missions.plan_writer import reference
 from surefoot.missions.run_writer import RunWriter
+from surefoot.navigation import Action, apply_action, deviations, standing_start
 from surefoot.verify import Report, verify_path
 from surefoot.walking import (
     StepCommand,
@@ -109,7 +110,7 @@ def run_mission(
     plan = read_plan(plan_dir, scene)
     policy = _policy(obstacle, scene, seed, None if script is None else Path(script))
     progress("preparing the keyframe decision maker (the first run ever compiles it)")
-    _warm_up(scene)
+    _warm_up(scene, plan)
     with RunWriter(out) as writer:
         writer.write(
             "header",
@@ -146,12 +147,16 @@ def run_mission(
     )
 
 
-def _warm_up(scene: BipedScene) -> None:
+def _warm_up(scene: BipedScene, plan: BipedPlan) -> None:
     """Plan two steps on the spot, so that compilation and tables do not count as time to decide a step."""
     walking, robot = scene.walking, scene.robot
     length_m = walking.stop_cells * walking.fine_cell_m
     standing = standing_state((0.0, 0.0, 0.0), 0.0, Foot.LEFT, walking, robot)
     start = plan_step(standing, StepCommand(StepKind.START, length_m), walking, robot)
+    rules = plan.rules
+    first = standing_start(rules, *plan.fine_start, scene.problem.heading, 0)
+    deviations(rules.tables, first, Action.START)
+    apply_action(rules.tables, first, Action.STAY, 0, 0)
     if isinstance(start, WalkingStep):
         plan_step(start.next_state(), StepCommand(StepKind.WALK, 2 * length_m), walking, robot)
 
@@ -167,7 +172,9 @@ def _policy(name: str, scene: BipedScene, seed: int, script: Path | None) -> Pol
     if (name == "scripted") != (script is not None):
         raise InputError("a scripted obstacle needs a script, and only a scripted one has it", key="script")
     if script is not None:
-        return scripted_policy(script, scene.grid)
+        if not scene.problem.obstacle_starts:
+            raise InputError("the scenario has no obstacle to follow a script", key="script")
+        return Script(script, scene.grid, scene.problem.domain, scene.problem.obstacle_starts[0])
     if name == "random":
         return random_policy(seed)
     return Adversary(scene.coarse, scene.problem.domain, seed)

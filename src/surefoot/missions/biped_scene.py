@@ -12,7 +12,7 @@ from pathlib import Path
 from surefoot.errors import InputError
 from surefoot.frames import Cell, Direction
 from surefoot.missions.scenario import Scenario, read_scenario
-from surefoot.navigation import BeliefKind, CoarseMap, NavigationProblem, adjacent_free, coarse_map
+from surefoot.navigation import BeliefKind, CoarseMap, NavigationProblem, coarse_map
 from surefoot.robots import Biped, biped
 from surefoot.walking import StepLibrary, WalkingParameters, step_library, walking_parameters
 from surefoot.world import (
@@ -74,22 +74,23 @@ def read_biped_scene(path: Path) -> BipedScene:
     """
     scenario = read_scenario(path)
     occupancy = read_occupancy_map(scenario.map_path, scenario.map_resolution_m)
-    robot = biped(scenario.robot)
     with _placed(scenario):
+        robot = biped(scenario.robot)
         given = scenario.walking.model_dump(exclude_none=True)
         walking = walking_parameters(scenario.grid.cell_size_m, **given)
         library = step_library(walking, robot)
+        inflated_m = inflation_m(walking, robot)
         grid = make_grid(
             occupancy,
             cell_size_m=scenario.grid.cell_size_m,
             origin_m=scenario.grid.origin_m,
             rotation_rad=scenario.grid.rotation_rad,
             unknown=scenario.grid.unknown,
-            inflation_m=inflation_m(walking, robot),
+            inflation_m=inflated_m,
         )
         heights = make_heights(grid, walking.fine_cells, _floors(scenario), _stairs(scenario))
         coarse = coarse_map(grid, heights, scenario.sensor.range_m, scenario.navigation.corners)
-        problem = _problem(scenario, coarse)
+        problem = _problem(scenario, coarse, inflated_m)
     return BipedScene(path, scenario, occupancy, robot, walking, library, coarse, problem)
 
 
@@ -130,18 +131,19 @@ def _stairs(scenario: Scenario) -> tuple[Stairs, ...]:
     )
 
 
-def _problem(scenario: Scenario, coarse: CoarseMap) -> NavigationProblem:
+def _problem(scenario: Scenario, coarse: CoarseMap, inflated_m: float) -> NavigationProblem:
     """Return the navigation problem, having checked every place that the scenario names."""
     grid = coarse.grid
-    start = _free_cell(grid, scenario.start.position_m, "start.position_m")
+    start = _free_cell(grid, scenario.start.position_m, "start.position_m", inflated_m)
     if coarse.is_stairs(grid.index(start)):
         raise InputError(f"{tuple(start)} is a stairs cell; the robot starts in a flat one", key="start.position_m")
     goals = tuple(
-        _free_cell(grid, goal.position_m, f"goals[{number}].position_m") for number, goal in enumerate(scenario.goals)
+        _free_cell(grid, goal.position_m, f"goals[{number}].position_m", inflated_m)
+        for number, goal in enumerate(scenario.goals)
     )
     for number, goal in enumerate(goals):
         _check_reachable(coarse, start, goal, f"goals[{number}].position_m")
-    obstacles, forbidden = _obstacles(scenario, grid, start)
+    obstacles, forbidden = _obstacles(scenario, grid, start, inflated_m)
     regions = _regions(scenario, grid)
     enterable = sum(grid.index(cell) not in forbidden for cell in grid.free_cells())
     by_size: BeliefKind = "exact" if enterable <= MOST_CELLS_FOR_EXACT_BELIEF else "single"
@@ -158,13 +160,18 @@ def _problem(scenario: Scenario, coarse: CoarseMap) -> NavigationProblem:
     )
 
 
-def _free_cell(grid: CoarseGrid, position_m: tuple[float, float], key: str) -> Cell:
+def _free_cell(grid: CoarseGrid, position_m: tuple[float, float], key: str, inflated_m: float) -> Cell:
     cell = grid.cell_at(position_m)
     if cell is None:
         raise InputError(f"{tuple(position_m)} is off the grid, which has {_extent(grid)}", key=key)
     if not grid.is_free(cell):
         nearest = min(grid.free_cells(), key=lambda free: _distance(grid, free, position_m), default=None)
         allowed = "the map has no free cell" if nearest is None else f"the nearest free one is {_named(grid, nearest)}"
+        if inflated_m > 0:
+            allowed += (
+                f" (occupied space is inflated by {inflated_m:.2f} m, because walking.safety_distance_m and the foot "
+                "reach that much beyond walking.side_band_cells)"
+            )
         raise InputError(f"{tuple(position_m)} lies in the blocked cell {tuple(cell)}; {allowed}", key=key)
     return cell
 
@@ -233,24 +240,27 @@ def separating_cells(grid: CoarseGrid, start: Cell, goal: Cell) -> tuple[Cell, .
     return tuple(cell for cell in reversed(way) if not grid.is_free(cell))
 
 
-def _obstacles(scenario: Scenario, grid: CoarseGrid, start: Cell) -> tuple[tuple[Cell, ...], frozenset[int]]:
+def _obstacles(
+    scenario: Scenario, grid: CoarseGrid, start: Cell, inflated_m: float
+) -> tuple[tuple[Cell, ...], frozenset[int]]:
     """Return where the obstacles start and which cells they never enter."""
     if len(scenario.obstacles) > 1:
         raise InputError(
             f"{len(scenario.obstacles)} obstacles are given; at most one is allowed so far", key="obstacles"
         )
-    cells, forbidden = [], frozenset[int]()
+    cells: list[Cell] = []
+    never_entered = frozenset[int]()
     for number, obstacle in enumerate(scenario.obstacles):
         key = f"obstacles[{number}].start_m"
-        cell = _free_cell(grid, obstacle.start_m, key)
+        cell = _free_cell(grid, obstacle.start_m, key, inflated_m)
         rectangles: list[Rectangle] = [area.rectangle_m for area in obstacle.forbidden]
-        forbidden = frozenset(grid.index(place) for area in rectangles for place in grid.wholly_inside(area))
-        if grid.index(cell) in forbidden:
+        never_entered = frozenset(grid.index(place) for area in rectangles for place in grid.wholly_inside(area))
+        if grid.index(cell) in never_entered:
             raise InputError(f"the cell {tuple(cell)} is forbidden to this obstacle; start it outside", key=key)
         if cell == start:
             raise InputError(f"the cell {tuple(cell)} is the robot's; start the obstacle in another", key=key)
         cells.append(cell)
-    return tuple(cells), forbidden
+    return tuple(cells), never_entered
 
 
 def _regions(scenario: Scenario, grid: CoarseGrid) -> tuple[frozenset[int], ...]:
@@ -271,8 +281,3 @@ def _regions(scenario: Scenario, grid: CoarseGrid) -> tuple[frozenset[int], ...]
                 )
         regions.append(cells)
     return tuple(regions)
-
-
-def is_dead_end(grid: CoarseGrid, cell: Cell) -> bool:
-    """Return whether a cell has one free neighbour at most: the robot makes no U-turn and cannot leave it."""
-    return len(adjacent_free(grid, cell)) <= 1

@@ -82,9 +82,7 @@ class BipedWalk:
             self._obstacles_move(order)
             idle = 0 if self.steps > before else idle + 1
             if idle > MOST_IDLE_TURNS:
-                self.notes.append(
-                    f"the robot waited for {MOST_IDLE_TURNS} turns; the obstacle does not make way"
-                )
+                self.notes.append(f"the robot waited for {MOST_IDLE_TURNS} turns; the obstacle does not make way")
                 break
         self.writer.write(
             "end",
@@ -189,7 +187,7 @@ class BipedWalk:
         cell_before = self._cell_before(order)
         for number, truth in enumerate(self.truth):
             legal = legal_cells(self.game_rules.domain, truth, cell_before, order)
-            situation = Situation(self.turn, cell_before, self.heading, order, truth, legal)
+            situation = Situation(self.turn, cell_before, order, truth, legal)
             self.truth[number] = self.policy(situation)
         outcomes = self.game_rules.outcomes(cell_before, self.cell, order, self.knowledge)
         self.knowledge = self._observed(outcomes, cell_before)

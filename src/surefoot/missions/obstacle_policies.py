@@ -5,16 +5,17 @@ from __future__ import annotations
 import random
 from collections import deque
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Protocol
 
-import yaml
-
+from surefoot.documents import read_yaml
 from surefoot.errors import InputError
 from surefoot.frames import Direction
 from surefoot.navigation import CoarseMap, ObstacleDomain, Order
 from surefoot.world import CoarseGrid
 
+FARTHEST_M = 1e6
 PATIENCE_TURNS = 20
 """Within so many turns of waiting an adversary makes way (assumption (c))."""
 
@@ -26,7 +27,6 @@ class Situation:
     Attributes:
         turn: number of the turn.
         cell: the robot's cell before the turn.
-        heading: its heading.
         order: the order that it carries out.
         truth: the obstacle's cell.
         legal: cells that the obstacle may move to, staying included.
@@ -34,7 +34,6 @@ class Situation:
 
     turn: int
     cell: int
-    heading: Direction
     order: Order
     truth: int
     legal: tuple[int, ...]
@@ -62,11 +61,9 @@ def legal_cells(domain: ObstacleDomain, truth: int, robot: int, order: Order) ->
 class Adversary:
     """Hunts the robot and blocks its way, within the rules.
 
-    It walks the shortest way to the cell that the robot wants to enter next and stays there. While the robot waits
-    for a move, the
-    adversary counts; just in time to be gone within PATIENCE_TURNS it walks to a cell in the robot's view that
-    does not
-    threaten the move, if it can reach one (docs/rules.md 4, assumption (c)).
+    It walks the shortest way to the cell that the robot wants to enter next and stays there. While the robot waits for
+    a move, the adversary counts; just in time to be gone within PATIENCE_TURNS it walks to a cell in the robot's view
+    that does not threaten the move, if it can reach one (docs/rules.md 4, assumption (c)).
 
     Args:
         coarse: the map.
@@ -133,57 +130,75 @@ class Adversary:
         return distance
 
 
-def scripted_policy(path: Path, grid: CoarseGrid) -> Policy:
-    """Return a policy that reads where to be after each turn from a YAML file; after its end the obstacle stays.
+class Script:
+    """Reads from a YAML file where the obstacle is after each turn; after its end the obstacle stays.
 
-    The file holds ``{format: 1, kind: obstacle-script, positions_m: [[x, y], ...]}``. An obstacle that would walk
-    into a standing
-    robot stays where it is.
+    The file holds ``{format: 1, kind: obstacle-script, positions_m: [[x, y], ...]}`` (docs/formats.md). Where a
+    standing robot is in the way, the obstacle waits, and the rest of the script comes that much later.
+
+    Args:
+        path: the file.
+        grid: the coarse grid.
+        domain: where the obstacle may be.
+        start: where it starts.
 
     Raises:
-        InputError: if the file is no such script, or, when played, asks for a move that the rules forbid.
+        InputError: if the file is no such script, or asks for a move that the rules forbid.
     """
-    places = _read_script(path, grid)
 
-    def policy(situation: Situation) -> int:
-        wanted = places[situation.turn] if situation.turn < len(places) else situation.truth
-        if wanted in situation.legal:
-            return wanted
-        if situation.order.waits and wanted == situation.cell:
-            return situation.truth
-        allowed = ", ".join(str(tuple(grid.cell(cell))) for cell in situation.legal)
-        here, there = tuple(grid.cell(situation.truth)), tuple(grid.cell(wanted))
-        raise InputError(
-            f"the obstacle cannot go from {here} to {there}; allowed are {allowed}",
-            source=path,
-            key=f"positions_m[{situation.turn}]",
-        )
+    def __init__(self, path: Path, grid: CoarseGrid, domain: ObstacleDomain, start: int) -> None:
+        places = _read_script(path, grid)
+        for number, (before, after) in enumerate(pairwise((start, *(cell for cell, _ in places)))):
+            allowed = domain.members(domain.reach[domain.bit[before]])
+            if after not in allowed:
+                names = ", ".join(str(tuple(grid.cell(cell))) for cell in allowed)
+                raise InputError(
+                    f"the obstacle cannot go from {tuple(grid.cell(before))} to {tuple(grid.cell(after))}; "
+                    f"allowed are {names}",
+                    source=path,
+                    line=places[number][1],
+                    key=f"positions_m[{number}]",
+                )
+        self._left = deque(cell for cell, _ in places)
 
-    return policy
+    def __call__(self, situation: Situation) -> int:
+        """Return the next cell."""
+        if self._left and self._left[0] in situation.legal:
+            return self._left.popleft()
+        return situation.truth
 
 
-def _read_script(path: Path, grid: CoarseGrid) -> tuple[int, ...]:
-    try:
-        if path.stat().st_size > 1_000_000:
-            raise InputError("is larger than 1 MB", source=path)
-        content = yaml.safe_load(path.read_text())
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as problem:
-        raise InputError(f"cannot be read as YAML: {problem}".splitlines()[0], source=path) from problem
+def _read_script(path: Path, grid: CoarseGrid) -> tuple[tuple[int, int | None], ...]:
+    """Return the cells of a script, each with its line."""
+    document = read_yaml(path)
+    if document.problems:
+        raise document.problems[0]
+    content = document.value
     known = {"format": 1, "kind": "obstacle-script"}
     if not isinstance(content, dict) or {key: content.get(key) for key in known} != known:
         raise InputError("must be a mapping with format: 1, kind: obstacle-script and positions_m", source=path)
     positions = content.get("positions_m")
-    if set(content) - {*known, "positions_m"} or not isinstance(positions, list):
+    if set(content) - {*known, "positions_m"} or not isinstance(positions, tuple):
         raise InputError("the keys are format, kind and positions_m, a list of [x, y] in metres", source=path)
-    cells = []
-    for number, position in enumerate(positions):
-        key = f"positions_m[{number}]"
-        if not (
-            isinstance(position, list) and len(position) == 2 and all(isinstance(v, int | float) for v in position)
-        ):
-            raise InputError("must be [x, y] in metres", source=path, key=key)
-        cell = grid.cell_at((float(position[0]), float(position[1])))
-        if cell is None or not grid.is_free(cell):
-            raise InputError("lies in no free cell", source=path, key=key)
-        cells.append(grid.index(cell))
-    return tuple(cells)
+    lines = [document.lines.get(("positions_m", number)) for number in range(len(positions))]
+    return tuple(
+        (_script_cell(path, grid, position, number, line), line)
+        for number, (position, line) in enumerate(zip(positions, lines, strict=True))
+    )
+
+
+def _script_cell(path: Path, grid: CoarseGrid, position: object, number: int, line: int | None) -> int:
+    """Return the cell of one position of a script."""
+    key = f"positions_m[{number}]"
+    numbers = [value for value in position if type(value) in (int, float)] if isinstance(position, tuple) else []
+    if (
+        not isinstance(position, tuple)
+        or len(position) != 2
+        or len(numbers) != 2
+        or max(map(abs, numbers)) > FARTHEST_M
+    ):
+        raise InputError(f"must be [x, y] in metres, at most {FARTHEST_M:g}", source=path, line=line, key=key)
+    cell = grid.cell_at((float(numbers[0]), float(numbers[1])))
+    if cell is None or not grid.is_free(cell):
+        raise InputError("lies in no free cell", source=path, line=line, key=key)
+    return grid.index(cell)

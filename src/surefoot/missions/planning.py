@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from surefoot import __version__
-from surefoot.compute import Deadline, peak_memory_mb, sha256_of, write_text_whole
-from surefoot.errors import CertificateRejected, InputError
-from surefoot.frames import Cell, Direction
+from surefoot.compute import Deadline, peak_memory_mb
+from surefoot.errors import CertificateRejected
 from surefoot.missions.biped_scene import BipedScene, read_biped_scene
+from surefoot.missions.plan_writer import check_plan_folder, replaced_plan_folder, write_plan
+from surefoot.missions.trial import WALKS, Trial, needs_trial, trial_walks
+from surefoot.navigation import (
+    ActionRules,
+    ActionStrategy,
+    FineStart,
+    NavigationStrategy,
+    Order,
+    Unrealizable,
+    action_rules,
+    build_action_game,
+    build_navigation_game,
+    order_context,
+    solve_action,
+    solve_navigation,
+)
+from surefoot.verdict import Verdict
 
 Progress = Callable[[str], None]
 
@@ -73,74 +82,93 @@ def plan_mission(
     begin = time.perf_counter()
     scenario_path, out = Path(scenario_path), Path(out)
     deadline = Deadline.after(time_limit_s)
-    _check_folder(out)
+    check_plan_folder(out)
     progress("reading the scenario and its map")
     scene = read_biped_scene(scenario_path)
     return _solved(scene, out, progress, deadline, begin)
 
 
 def _solved(scene: BipedScene, out: Path, progress: Progress, deadline: Deadline, begin: float) -> PlanAnswer:
+    """Solve both games, and save and verify the plan if they are won."""
     from surefoot.games import is_compiled, warm_up
-    from surefoot.navigation import (
-        Order,
-        action_rules,
-        build_action_game,
-        build_navigation_game,
-        order_context,
-        solve_action,
-        solve_navigation,
-    )
 
     if not is_compiled():
         progress("compiling the solver (only the first run does; it takes some seconds)")
     warm_up()
-    notes: list[str] = []
     clock = _Clock()
+    navigation_states, navigation_verdict, navigation = _navigation(scene, clock, progress, deadline)
+    first = Order(scene.problem.heading, waits=True) if navigation is None else navigation.first_order()
+    rules = action_rules(scene.coarse, scene.library)
+    action_states, action_verdict, action, start = _action(scene, rules, first, clock, progress, deadline)
+    notes: list[str] = []
+    if navigation is not None and action is not None and start is not None:
+        notes += _start_notes(scene, start)
+        if needs_trial(scene):
+            progress("trying the walking numbers out")
+            context = rules.contexts.index(order_context(scene.coarse, scene.problem.start, first))
+            notes += _trial_notes(trial_walks(scene, rules, action, start, context))
+        with replaced_plan_folder(out) as folder:
+            progress("saving and verifying the plan")
+            statistics = {"navigation_states": navigation_states, "action_states": action_states}
+            write_plan(folder, scene, rules, navigation, action, start, statistics)
+            _verify(folder)
+    reasons = [
+        verdict.witness.reason for verdict in (navigation_verdict, action_verdict) if verdict.witness is not None
+    ]
+    return PlanAnswer(
+        realizable=not reasons,
+        navigation_states=navigation_states,
+        action_states=action_states,
+        build_s=clock.build_s,
+        solve_s=clock.solve_s,
+        total_s=time.perf_counter() - begin,
+        peak_mb=peak_memory_mb(),
+        verified=not reasons,
+        witness="; ".join(reasons) or None,
+        notes=tuple(notes),
+        out=None if reasons else out,
+    )
+
+
+def _navigation(
+    scene: BipedScene, clock: _Clock, progress: Progress, deadline: Deadline
+) -> tuple[int, Verdict[Unrealizable], NavigationStrategy | None]:
+    """Return the size of the navigation game, its verdict and its strategy."""
     progress("building the navigation game")
     with clock.building():
         game = build_navigation_game(scene.problem, deadline)
     progress(f"solving the navigation game ({game.turns} turns of the obstacles)")
     with clock.solving():
-        verdict, navigation = solve_navigation(game, deadline)
-    first = Order(scene.problem.heading, waits=True) if navigation is None else navigation.first_order()
+        return game.turns, *solve_navigation(game, deadline)
+
+
+def _action(
+    scene: BipedScene, rules: ActionRules, first: Order, clock: _Clock, progress: Progress, deadline: Deadline
+) -> tuple[int, Verdict[Unrealizable], ActionStrategy | None, FineStart | None]:
+    """Return the size of the action game, its verdict, its strategy, and where the robot stands at the start."""
     progress("building the action game")
-    rules = action_rules(scene.coarse, scene.library)
     with clock.building():
         context = order_context(scene.coarse, scene.problem.start, first)
-        action_game = build_action_game(rules, scene.problem.heading, context)
-    progress(f"solving the action game ({action_game.states} states)")
+        game = build_action_game(rules, scene.problem.heading, context)
+    progress(f"solving the action game ({game.states} states)")
     with clock.solving():
-        row, column = _fine_place(scene)
-        action_verdict, action, start = solve_action(action_game, row, column, deadline)
-    witness = _witness(verdict.witness, action_verdict.witness)
+        return game.states, *solve_action(game, *_fine_place(scene), deadline)
 
-    def answer(*, verified: bool, where: Path | None) -> PlanAnswer:
-        return PlanAnswer(
-            realizable=witness is None,
-            navigation_states=game.turns,
-            action_states=action_game.states,
-            build_s=clock.build_s,
-            solve_s=clock.solve_s,
-            total_s=time.perf_counter() - begin,
-            peak_mb=peak_memory_mb(),
-            verified=verified,
-            witness=witness,
-            notes=tuple(notes),
-            out=where,
-        )
 
-    if navigation is None or action is None or start is None:
-        return answer(verified=False, where=None)
-    if start.moved_cells > 1:
-        moved_m = start.moved_cells * scene.walking.fine_cell_m
-        notes.append(f"the robot stands {moved_m:.2f} m from the requested start, to keep clear of the cell's sides")
-    document = _document(scene, rules, start, game.turns, action_game.states)
-    arrays = {"navigation.npz": navigation.arrays(), "action.npz": action.arrays()}
-    with _replaced_folder(out) as folder:
-        progress("saving and verifying the plan")
-        _save(folder, document, arrays)
-        _verify(folder)
-    return answer(verified=True, where=out)
+def _start_notes(scene: BipedScene, start: FineStart) -> list[str]:
+    if start.moved_cells <= 1:
+        return []
+    moved_m = start.moved_cells * scene.walking.fine_cell_m
+    return [f"the robot stands {moved_m:.2f} m from the requested start, where it can carry out its first order"]
+
+
+def _trial_notes(trial: Trial) -> list[str]:
+    if not trial.unsafe:
+        return []
+    return [
+        f"the games are won, but in {trial.unsafe} of {WALKS} trial walks no safe step was left after a while "
+        f"({trial.reason}): these step lengths, treads or bounds do not walk safely for ever"
+    ]
 
 
 class _Clock:
@@ -163,15 +191,6 @@ class _Clock:
         self.solve_s += time.perf_counter() - begin
 
 
-def _witness(navigation: Any, action: Any) -> str | None:
-    parts = []
-    if navigation is not None:
-        parts.append(f"navigation game: {navigation.reason}")
-    if action is not None:
-        parts.append(f"action game: {action.reason}")
-    return "; ".join(parts) or None
-
-
 def _fine_place(scene: BipedScene) -> tuple[float, float]:
     """Return where in its coarse cell the robot is asked to stand, in fine (rows, columns)."""
     grid = scene.grid
@@ -183,92 +202,6 @@ def _fine_place(scene: BipedScene) -> tuple[float, float]:
     return (top - north) / fine_m, (east - west) / fine_m
 
 
-def _document(scene: BipedScene, rules: Any, start: Any, navigation_states: int, action_states: int) -> dict[str, Any]:
-    """Return the content of plan.json, without the paths and hashes of files."""
-    grid, problem = scene.grid, scene.problem
-    robot = scene.robot
-
-    def cells(indices: Any) -> list[list[int]]:
-        return [list(grid.cell(index)) for index in indices]
-
-    return {
-        "kind": "biped-plan",
-        "format": 1,
-        "surefoot": __version__,
-        "made": datetime.now(UTC).isoformat(timespec="seconds"),
-        "realizable": True,
-        "grid": {
-            "rows": grid.rows,
-            "columns": grid.columns,
-            "north_west_m": list(grid.north_west_m),
-            "cell_size_m": grid.cell_size_m,
-            "origin_m": list(grid.origin_m),
-            "rotation_rad": grid.rotation_rad,
-            "free": [list(cell) for cell in grid.free_cells()],
-        },
-        "walking": asdict(scene.walking),
-        "robot": {
-            "name": robot.name,
-            "apex_height_m": robot.apex_height_m,
-            "omega_radps": robot.omega_radps,
-            "foot_radius_m": robot.foot_radius_m,
-            "foot_half_length_m": robot.foot_half_length_m,
-            "foot_half_width_m": robot.foot_half_width_m,
-        },
-        "profiles": [
-            None
-            if profile is None
-            else {
-                "up": profile.up.name.lower(),
-                "heights_m": list(profile.heights_m),
-                "gain_m": profile.gain_m,
-                "admissible": list(profile.admissible),
-            }
-            for profile in scene.heights.profiles
-        ],
-        "contexts": [
-            {"here": here, "order": "stop" if order == 4 else Direction(order).name.lower(), "there": there}
-            for here, order, there in rules.contexts
-        ],
-        "start": {
-            "cell": list(grid.cell(problem.start)),
-            "heading": problem.heading.name.lower(),
-            "fine": {"row": start.row, "column": start.column},
-            "moved_m": start.moved_cells * scene.walking.fine_cell_m,
-        },
-        "goals": cells(problem.goals),
-        "obstacles": [
-            {"start": list(Cell(*grid.cell(cell))), "domain": cells(problem.domain.cells)}
-            for cell in problem.obstacle_starts
-        ],
-        "statistics": {"navigation_states": navigation_states, "action_states": action_states},
-        "inputs": {"scenario": scene.path, "map": scene.occupancy.path, "image": scene.occupancy.image_path},
-    }
-
-
-def _save(folder: Path, document: dict[str, Any], arrays: dict[str, dict[str, Any]]) -> None:
-    from surefoot.navigation import save_arrays
-
-    for name, content in arrays.items():
-        save_arrays(folder / name, content)
-    inputs = document.pop("inputs")
-    document["scenario"] = reference(inputs["scenario"], folder)
-    image = reference(inputs["image"], folder)
-    document["map"] = {
-        **reference(inputs["map"], folder),
-        "image_path": image["path"],
-        "image_sha256": image["sha256"],
-    }
-    document["files"] = {name: sha256_of(folder / name) for name in arrays}
-    document["verified"] = True
-    write_text_whole(folder / "plan.json", json.dumps(document, indent=1) + "\n")
-
-
-def reference(path: Path, folder: Path) -> dict[str, str]:
-    """Return path (relative to a folder) and hash of an input."""
-    return {"path": os.path.relpath(path.resolve(), folder.resolve()), "sha256": sha256_of(path)}
-
-
 def _verify(folder: Path) -> None:
     from surefoot.verify import verify_path
 
@@ -276,29 +209,3 @@ def _verify(folder: Path) -> None:
     if not report.accepted:
         first = report.findings[0]
         raise CertificateRejected(f"the plan was refused: {first.rule}: {first.message} ({first.where})")
-
-
-def _check_folder(out: Path) -> None:
-    """Refuse to plan into a folder that holds something else than an older plan."""
-    if out.exists() and not out.is_dir():
-        raise InputError("is a file; name a folder for the plan", source=out)
-    if out.is_dir() and any(out.iterdir()) and not (out / "plan.json").is_file():
-        raise InputError("is a folder with other content; name a new one or one with an older plan", source=out)
-
-
-@contextmanager
-def _replaced_folder(out: Path) -> Iterator[Path]:
-    """Give a new folder beside ``out`` that takes its place when the block ends without an error."""
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(dir=out.parent, prefix=f".{out.name}."))
-    except OSError as problem:
-        raise InputError(f"cannot be written: {problem.strerror}", source=out) from problem
-    try:
-        yield folder
-        folder.chmod(0o755)
-        if out.exists():
-            shutil.rmtree(out)
-        folder.rename(out)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)

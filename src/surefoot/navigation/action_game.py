@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from surefoot.frames import Direction
 from surefoot.games import Arena
-from surefoot.navigation import _action_kernels as kernels
+from surefoot.navigation import _action_graph as graph
+from surefoot.navigation import _action_moves as moves
 from surefoot.navigation.action_rules import ActionRules, Context, Mode, Tables
 
 
@@ -41,9 +42,8 @@ class ActionGame:
     Attributes:
         rules: what it was built from.
         arena: the game graph.
-        kind: (nodes,) 0 state (the robot picks an action), 1 action (the environment picks the outcome), 2
-            boundary (an order was
-            achieved, the environment picks the next one).
+        kind: (nodes,) 0 state (the robot picks an action), 1 action (the environment picks the outcome), 2 boundary
+            (an order was achieved, the environment picks the next one).
         code: (nodes,) number of the state or boundary; of an action node the action.
         starts: (rows, columns) the state node of every fine cell in which the robot may stand at the start, -1
             elsewhere.
@@ -58,7 +58,7 @@ class ActionGame:
     @property
     def states(self) -> int:
         """Return the number of states of the robot."""
-        return int((self.kind == 0).sum())
+        return int((self.kind == graph.STATE).sum())
 
 
 def build_action_game(rules: ActionRules, heading: Direction, first_context: Context) -> ActionGame:
@@ -81,19 +81,19 @@ def build_action_game(rules: ActionRules, heading: Direction, first_context: Con
     places = np.argwhere(may_stand)
     codes = np.array(
         [
-            kernels.encode(tables, row, column, int(heading) * tables.turn_steps, 0, int(Mode.STANDING), outer)
+            graph.encode(tables, row, column, int(heading) * tables.turn_steps, 0, int(Mode.STANDING), outer)
             for row, column in places.tolist()
         ],
         np.int64,
     )
     starts[places[:, 0], places[:, 1]] = np.arange(len(places))
-    kind, code, first, successors = kernels.explore(tables, codes)
+    kind, code, first, successors = graph.explore(tables, codes)
     arena = Arena(
-        system=kind == 0,
+        system=kind == graph.STATE,
         first=first,
         successors=successors,
         lost=np.zeros(len(kind), np.bool_),
-        goals=(kind == 2)[None, :],
+        goals=(kind == graph.BOUNDARY)[None, :],
         justices=np.zeros((0, len(kind)), np.bool_),
     )
     return ActionGame(rules, arena, kind, code, starts)
@@ -122,7 +122,7 @@ class Deviations(NamedTuple):
 
 def deviations(tables: Tables, state: FineState, action: int) -> Deviations:
     """Return by how much an action may deviate in a state."""
-    return Deviations(*kernels.deviations(tables, *state[:3], *state[4:], action))
+    return Deviations(*moves.deviations(tables, *state[:3], *state[4:], action))
 
 
 def apply_action(tables: Tables, state: FineState, action: int, sagittal: int, lateral: int) -> Moved:
@@ -144,12 +144,10 @@ def apply_action(tables: Tables, state: FineState, action: int, sagittal: int, l
             f"outcome ({sagittal}, {lateral}) is not among those of action {action}: at most {most.sagittal} fine "
             f"cells along the heading and {most.lateral} sideways"
         )
-    status, row, column, heading, stance, mode, change = kernels.move(tables, *state, action, sagittal, lateral)
-    if status == kernels.LOST:
+    status, row, column, heading, stance, mode, change = moves.move(tables, *state, action, sagittal, lateral)
+    if status == moves.LOST:
         raise ValueError(f"action {action} with outcome ({sagittal}, {lateral}) is lost in {state}")
-    return Moved(
-        FineState(row, column, heading, stance, mode, state.context), status == kernels.ACHIEVED, float(change)
-    )
+    return Moved(FineState(row, column, heading, stance, mode, state.context), status == moves.ACHIEVED, float(change))
 
 
 def standing_start(rules: ActionRules, row: int, column: int, heading: Direction, context: int) -> FineState:

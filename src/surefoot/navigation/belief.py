@@ -19,9 +19,8 @@ def abstraction(kind: BeliefKind, domain: ObstacleDomain, regions: tuple[frozens
     """Return the belief abstraction of a kind.
 
     Args:
-        kind: "exact" keeps the hidden image itself; "regions" the union of the regions that it touches, "single"
-            the whole domain,
-            both without what is seen.
+        kind: "exact" keeps the hidden image itself; "regions" the union of the regions that it touches, "single" the
+            whole domain, both without what is seen.
         domain: the obstacle domain.
         regions: disjoint sets of cells; the rest of the domain is one more region.
 
@@ -60,9 +59,8 @@ def observe(
     """Return everything that the robot may know after the obstacles have moved.
 
     The four classes of belief transition of the paper are the four cases of: visible or hidden before, visible or
-        hidden after.
-    One observation can match several combinations of moves; their hidden images are united, so that a belief
-    always contains the truth.
+    hidden after. One observation can match several combinations of moves; their hidden images are united, so that a
+    belief always contains the truth.
 
     Args:
         domain: the obstacle domain.

@@ -92,12 +92,10 @@ class ObstacleState:
 class Blocking:
     """Decides ``blocked_m`` of assumption (c), rules.md 4.
 
-    Infinitely often it must be false that the robot waits for a move that obstacles block although they could make
-    way. The
-    robot cannot win by falsifying this: a violation needs one declared wait for ever, hence one cell s for ever;
-        obstacles
-    stay out of s then, and each of them has a path around s to a cell where it may stay, since that is what the two
-    clauses ask for. Answers are remembered per (cell, move).
+    Infinitely often it must be false that the robot waits for a move that obstacles block although they could make way.
+    The robot cannot win by falsifying this. A violation needs one declared wait for ever, hence one cell s for ever;
+    obstacles stay out of s then, and each of them has a path around s to a cell where it may stay, since that is what
+    the two clauses ask for. Answers are remembered per (cell, move).
 
     Source: facts of experiments on Shamsah et al., T-RO 2023, VI-A, assumption (c), in its waiting form.
     """

@@ -11,6 +11,7 @@ from surefoot.compute import Deadline
 from surefoot.frames import Direction
 from surefoot.games import Solution, environment_cannot_keep_assumptions, failing_goals, solve
 from surefoot.navigation.action_game import ActionGame, FineState, decode_states
+from surefoot.navigation.action_rules import STOP_ORDER
 from surefoot.navigation.navigation_game import NavigationGame, Order, Rules
 from surefoot.navigation.obstacles import ObstacleState
 from surefoot.navigation.strategies import ActionStrategy, NavigationStrategy
@@ -74,14 +75,23 @@ def _explain(game: NavigationGame, solution: Solution) -> Unrealizable:
     decisions = game.order < 0
     winning_cells = set(game.cell[decisions & solution.winning].tolist())
     losing = tuple(sorted(set(game.cell[decisions].tolist()) - winning_cells))
-    named = [f"goal {number} in cell {tuple(grid.cell(game.problem.goals[number]))}" for number in failing]
+    named = [_goal_name(game, number) for number in failing]
     which = (
         f"{' and '.join(named)} cannot be reached again and again"
         if named
         else "the goals cannot all be reached in turn"
     )
-    cells = ", ".join(str(tuple(grid.cell(cell))) for cell in losing) or "no cell whatever the robot knows"
-    return Unrealizable(f"{which}; the robot loses from {cells}", tuple(failing), losing)
+    shown = ", ".join(str(tuple(grid.cell(cell))) for cell in losing[:12]) + (", ..." if len(losing) > 12 else "")
+    where = f"whatever it knows, the robot loses from {shown}" if losing else "it depends on what the robot knows"
+    return Unrealizable(f"{which}; {where}", tuple(failing), losing)
+
+
+def _goal_name(game: NavigationGame, number: int) -> str:
+    """Return how to call a goal, with what is wrong with its cell if it is a dead end."""
+    coarse, goal = game.problem.coarse, game.problem.goals[number]
+    ways = int((coarse.target[goal] >= 0).sum())
+    dead_end = ", a dead end (the robot makes no U-turn)" if ways <= 1 else ""
+    return f"goal {number} in cell {tuple(coarse.grid.cell(goal))}{dead_end}"
 
 
 def extract_navigation_strategy(game: NavigationGame, solution: Solution) -> NavigationStrategy:
@@ -219,8 +229,9 @@ def solve_action(
     places = np.argwhere((game.starts >= 0) & solution.winning[game.starts])
     if not len(places):
         reason = (
-            "the action game cannot carry out every order that the map can give with this cell size, step library, "
-            "side band and these deviations; allow fewer deviations, a narrower side band or larger cells"
+            f"no sequence of steps carries out {_orders_in_words(game)} from every place and with every deviation that "
+            "the walking numbers allow; allow fewer deviations (walking.lateral_outcomes_cells, "
+            "walking.sagittal_outcomes_cells), other step lengths, or larger cells"
         )
         return Verdict.false(Unrealizable(reason)), None, None
     distances = np.hypot(places[:, 0] + 0.5 - row, places[:, 1] + 0.5 - column)
@@ -228,6 +239,16 @@ def solve_action(
     place = places[nearest]
     strategy = extract_action_strategy(game, solution, int(game.starts[place[0], place[1]]))
     return Verdict.true(), strategy, FineStart(int(place[0]), int(place[1]), float(distances[nearest]))
+
+
+def _orders_in_words(game: ActionGame) -> str:
+    """Return the orders that the map can give."""
+    words = [
+        ("stop" if order == STOP_ORDER else Direction(order).name.lower())
+        + (" on the stairs" if here else " onto the stairs" if there else "")
+        for here, order, there in game.rules.contexts
+    ]
+    return f"all of the orders {', '.join(dict.fromkeys(words))}"
 
 
 def extract_action_strategy(game: ActionGame, solution: Solution, start: int) -> ActionStrategy:

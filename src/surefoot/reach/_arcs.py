@@ -205,8 +205,13 @@ def screen_many(
         if c.empty or c.right_x <= 0:
             found[n, 0], found[n, 1] = math.inf, -math.inf
         else:
-            found[n, 0] = max(first_low(f, c, 0.0), f.lower.w[0] * abs(feet[n]))
-            found[n, 1] = first_high(f, c, 0.0)
+            low, high = max(first_low(f, c, 0.0), f.lower.w[0] * abs(feet[n])), first_high(f, c, 0.0)
+            if feet[n] < 0.0:
+                guard_low = max(second_low(s, 0.0, end_low, windows[n, 0]), _manifold(feet[n], tube[0], tube[1]))
+                guard_high = min(second_high(s, 0.0, end_high, windows[n, 1]), _manifold(feet[n], tube[0], tube[2]))
+                if guard_low <= guard_high:
+                    low, high = min(low, guard_low), max(high, guard_high)
+            found[n, 0], found[n, 1] = low, high
     return found
 
 

@@ -6,6 +6,7 @@ import statistics
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -47,7 +48,7 @@ def measure(say: Say) -> Iterator[Measured]:
     for settings, name, targets in ((SETTINGS, "2 mm, 4 mm/s", (10, 20)), (FINE, "0.5 mm, 1 mm/s", (100, 300))):
         say(f"synthesising at {name}")
         for all_masks, what, target in ((False, "first winning omega", targets[0]), (True, "all masks", targets[1])):
-            seconds = median_cpu_s(lambda: synthesize(GOLDEN, settings, all_masks=all_masks))
+            seconds = median_cpu_s(partial(synthesize, GOLDEN, settings, all_masks=all_masks))
             paper = rocs if settings is SETTINGS else ""
             yield Measured(f"one transition, {name}, {what}", 1e3 * seconds, "ms", target, True, paper)
     yield _screening(say)

@@ -131,6 +131,8 @@ def _premises(transition: Transition, f: Frame, empty: bool) -> str | None:
         return "the disturbance's rate is not small against the velocities"
     if f.slowest / f.a < (f.d2 + f.a * f.d1) / (f.b**2 - f.a**2):
         return "near the foot the disturbance is stronger than what omega can do along the asymptote"
+    if (f.b**2 * (f.next_foot - f.foot + 2 * f.fastest * f.tau) + f.d2) * f.tau + f.d1 > f.fastest:
+        return "a sample is too long: it can double the fastest velocity"
     if f.window[1] + f.d2 * f.tau + f.d1 >= f.fastest:
         return "the window reaches the fastest velocity"
     return None
@@ -153,7 +155,18 @@ def _high_entry_holds(f: Frame, x: float) -> bool:
             break
     far += 1e-9
     end = held.ahead(x + far - f.foot, x - f.foot, v, f.a, -f.d1, f.d2)
-    return end <= f.fastest and x + far < f.next_foot and end <= held.second_high(f, x + far)
+    gates = x + far < f.next_foot and end <= held.second_high(f, x + far)
+    return gates and _below_fastest(f, x, v)
+
+
+def _below_fastest(f: Frame, x: float, v: float) -> bool:
+    """The highest orbit through (x, v) meets U2 before it exceeds the fastest velocity."""
+    if v > f.fastest:
+        return False
+    shift = f.d2 / f.a**2
+    rest = ((f.fastest - f.d1) ** 2 - (v - f.d1) ** 2) / f.a**2
+    at = f.foot + math.sqrt((x - f.foot + shift) ** 2 + rest) - shift
+    return at >= f.next_foot or held.second_high(f, at) <= f.fastest
 
 
 def _climbs(f: Frame, x: float) -> bool:
@@ -209,28 +222,25 @@ def _first_gap(c: Band, begin: float) -> str | None:
         slack = _slack(f, at - f.foot, low)
         if top < bottom + slack:
             return f"the first half's band is narrower than what one sample moves the state at x = {at:.3f} m"
-        v = min(held.second_low(f, at), high)
+        v = min(held.second_low(f, at), high) if ahead else high
         far, gain = held.first_reach(f, at, v)
-        if at + far >= f.next_foot or v + gain + slack > held.second_high(f, at + far):
+        if at + far >= f.next_foot or v + gain + _slack(f, f.next_foot - at, v) > held.second_high(f, at + far):
             return f"a sample may jump over the guard at x = {at:.3f} m"
     return _tail_gap(c)
 
 
 def _tail_gap(c: Band) -> str | None:
-    """Beyond both entries every state of the band is in the guard."""
-    f = c.frame
-    for x in np.arange(max(c.entry_low, c.entry_high), f.next_foot, CHECK_STEP_M):
-        low = held.first_low(c, float(x))
-        if low > min(held.first_high(c, float(x)), held.second_high(f, float(x))):
-            return None
-        if held.second_low(f, float(x)) > low:
-            return f"the band leaves the guard behind its entry at x = {x:.3f} m"
-    return None
+    """Beyond both entries every state of the band is in the guard: B rises and L2 falls, so one position tells."""
+    f, x = c.frame, max(c.entry_low, c.entry_high)
+    low = held.first_low(c, x)
+    if low > min(held.first_high(c, x), held.second_high(f, x)) or held.second_low(f, x) <= low:
+        return None
+    return f"the band leaves the guard behind its entry at x = {x:.3f} m"
 
 
 def _slack(f: Frame, z: float, v: float) -> float:
-    """What a curve can change between two checked positions, four times over."""
-    return 4 * CHECK_STEP_M * (f.b**2 * (abs(z) + 2 * f.fastest * f.tau) + f.d2) / (max(v, f.slowest) - f.d1)
+    """What the compared quantities can change between two checked positions: six slopes, and two to spare."""
+    return 8 * CHECK_STEP_M * (f.b**2 * (abs(z) + 2 * f.fastest * f.tau) + f.d2) / (max(v, f.slowest) - f.d1)
 
 
 def _frame(transition: Transition, settings: Settings) -> Frame:

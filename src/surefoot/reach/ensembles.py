@@ -123,7 +123,9 @@ def walk_ensemble(
     """
     jumps = np.zeros_like(rates) if jumps is None else jumps
     code = _walks.TABLE if law is Law.TABLE else _walks.BARRIER
-    ends, _ = _walks.walk_many(starts, rates, jumps, code, NOMINAL_OMEGA_RADPS, tables or law_tables(region), goal(region))
+    ends, _ = _walks.walk_many(
+        starts, rates, jumps, code, NOMINAL_OMEGA_RADPS, tables or law_tables(region), goal(region)
+    )
     counts = np.bincount(ends, minlength=5)
     return Ensemble(len(ends), *(int(n) for n in counts[:4])), ends
 

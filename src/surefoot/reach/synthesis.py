@@ -92,7 +92,11 @@ class Region:
                 f"a cell over tau = {self.settings.tau_s:g} s are wider than the target"
             )
         if not self.first.target.any():
-            return "the guard is empty: no state of the second half's region lies between the tangent manifolds"
+            begin = self.cells.x_edges()[0][np.nonzero(self.second.won.any(axis=1))[0][0]]
+            return (
+                f"the guard is empty: no state of the second half's region, which begins at x = {begin:.3f} m, "
+                "lies between the tangent manifolds of the first half"
+            )
         if not self.first.masks.any():
             return "no omega brings any cell of the first half step surely into the guard"
         return None

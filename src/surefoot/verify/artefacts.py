@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,6 +31,7 @@ NAVIGATION_ARRAYS = {
 }
 ACTION_ARRAYS = dict.fromkeys(("row", "column", "heading", "stance", "mode", "context", "action"), ("int16", 1))
 Arrays = dict[str, NDArray[Any]]
+_TOKENS = re.compile(r'"((?:[^"\\]|\\.)*)"\s*(:)?|-?Infinity|NaN')
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +68,8 @@ def read_plan(folder: Path) -> PlanFile:
     fields.text("surefoot")
     if not fields.flag("realizable"):
         raise fields.wrong("realizable", "has to be true: an unrealizable scenario leaves no plan behind")
+    if not fields.flag("verified"):
+        raise fields.wrong("verified", "has to be true: a plan that its maker did not verify is no plan")
     scenario = checked_file(fields.mapping("scenario"), folder)
     places = fields.mapping("map")
     floor = checked_file(places, folder)
@@ -88,8 +92,8 @@ def check_kind(fields: Fields, kind: str) -> None:
     """Refuse an artefact of another kind or format."""
     if fields.get("kind") != kind:
         raise fields.wrong("kind", f"has to be {kind}")
-    if fields.get("format") != 1 or isinstance(fields.get("format"), bool):
-        raise fields.wrong("format", "is not known; this version reads format 1")
+    if fields.get("format") != 1 or type(fields.get("format")) is not int:
+        raise fields.wrong("format", "is not known; this version reads format 1, a whole number")
 
 
 def checked_file(fields: Fields, folder: Path, path_key: str = "path", hash_key: str = "sha256") -> Path:
@@ -124,15 +128,40 @@ def read_bytes(path: Path) -> bytes:
 
 
 def parse_json(text: bytes, path: Path, line: int | None = None) -> object:
-    """Return the value of a JSON text; NaN and infinities are no JSON."""
+    """Return the value of a JSON text; NaN and infinities are no JSON.
+
+    Args:
+        text: the text.
+        path: the file.
+        line: where the text stands, for files of one record a line.
+    """
     try:
         return json.loads(text.decode("utf-8"), parse_constant=_no_constant)
+    except _NotFiniteError as problem:
+        place, key = _not_finite_at(text.decode("utf-8"))
+        message = f"holds {problem}, which is no number of JSON; numbers have to be finite"
+        raise InputError(message, source=path, line=line or place, key=key) from problem
     except (ValueError, RecursionError) as problem:
         raise InputError("is not whole JSON in UTF-8", source=path, line=line) from problem
 
 
+class _NotFiniteError(ValueError):
+    """NaN, Infinity or -Infinity stands where JSON has a number."""
+
+
 def _no_constant(name: str) -> object:
-    raise ValueError(name)
+    raise _NotFiniteError(name)
+
+
+def _not_finite_at(text: str) -> tuple[int, str | None]:
+    """Return the line of the first NaN or infinity outside of texts, and the last key before it."""
+    key, end = None, 0
+    for token in _TOKENS.finditer(text):
+        end = token.start()
+        if not token[0].startswith('"'):
+            break
+        key = token[1] if token[2] else key
+    return text.count("\n", 0, end) + 1, key
 
 
 def _read_arrays(path: Path, shapes: Mapping[str, tuple[str, int]], apart: set[str]) -> Arrays:

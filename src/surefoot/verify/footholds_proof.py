@@ -267,6 +267,9 @@ class _Weigher:
             places = [g.base[int(i), int(a)], *g.feet[int(i), held, int(a)]]
             limit = float(options["com_support_m"])
             self.press(places, [1.0, *[-1.0 / len(held)] * len(held)], m, limit, -limit)
+        for i, a, _, _, m in kept.get("tilt", []) if options["moment_balance"] else []:
+            middle_angle, most = g.angle_reference[int(i), int(a)], float(options["tilt_max_rad"])
+            self.press([g.angle[int(i), int(a)]], [1.0], m, middle_angle + most, middle_angle - most)
         for i, number, row, region, m in kept.get("collision", []):
             self._free(int(i), int(number), int(row), int(region), m)
         rows = [(i, a, m) for i, a, m in turning] + [(i, a, m) for i, a, _, _, m in kept.get("base torque", [])]

@@ -191,6 +191,8 @@ def _limits(plan: FootholdFile) -> dict[str, float]:
         "base torque": float((spin - float(robot["base_torque_max_nm"])).max()),
         "reach": float((np.abs(local - nominal(plan)) - np.array(robot["foot_reach_m"])).max()),
     }
+    if options["moment_balance"]:
+        found["tilt"] = float((np.abs(a["rpy_rad"] - references(plan)[1]) - float(options["tilt_max_rad"])).max())
     height = float(options["clearance_m"])
     if height > 0:
         lacks = [0.0]

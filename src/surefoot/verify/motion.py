@@ -210,6 +210,7 @@ def _check_joints(motion: Motion, require: Require) -> None:
         before = walked[index - 1].step if index else None
         start_s = 0.0
         joined = (step.rise is not None) == standing and (step.rest is not None) == (step.action == STOPPING)
+        joined &= (step.closing_foot_m is not None) == (step.rest is not None)
         if before is not None:
             pairs = [("next_com_m", "com_m"), ("next_velocity_mps", "velocity_mps"), ("foot_m", "swing_lift_m")]
             pairs += [("next_foot_m", "foot_m"), ("next_waypoint_m", "waypoint_m")]

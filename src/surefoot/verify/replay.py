@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 from surefoot.frames import Direction
 from surefoot.verify.action import ActionTable, Core, start_core
 from surefoot.verify.action_moves import (
-    CONTINUE,
     FINE,
     NOWHERE,
     STANDING,
     STAY,
-    TURN,
     landed,
     moved,
-    order_side,
     outcome_limits,
 )
 from surefoot.verify.belief import Known, Obstacle
 from surefoot.verify.claims import ORDERS, Claims
 from surefoot.verify.findings import Ledger
 from surefoot.verify.navigation import WAIT, Decision, Table, start_decision, successors
+from surefoot.verify.next_turns import check_listed, contexts_after, heading_changes_rad
 from surefoot.verify.run_file import Step, Turn, Unsafe
 from surefoot.verify.scene import STOP, Cell, Scene
 
@@ -204,26 +201,14 @@ class _Replayer:
         self.core, self.achieved = (row % n, column % n, heading, stance, mode), achieved
         last = crossed if crossed != NOWHERE else heading // self.claims.turn_steps
         turns = self._may_turn(last)
+        check_listed(record.next_heading_changes_rad, turns, self.claims.turn_steps, record.line, self.ledger)
         self.done.walked.append(Walked(record, cell, self.cell, self.core, turns))
 
     def _may_turn(self, last: int) -> tuple[float, ...]:
-        """Return the heading changes that the strategy may command in the present state, whatever order comes next."""
-        contexts = [self.context]
-        if self.achieved:
-            kind = self.claims.kinds[self.cell]
-            moves = [move for move in self.scene.moves(self.cell) if move != (last + 2) % 4]
-            listed = [(kind, int(m), self.claims.kinds[self.scene.target(self.cell, m)]) for m in moves]
-            listed += [(0, STOP, 0)] if kind == 0 else []
-            contexts = [self.claims.contexts.index(context) for context in listed if context in self.claims.contexts]
-        turn_rad, found = math.radians(self.claims.walking["turn_angle_deg"]), set()
-        for context in contexts:
-            row = self.actions.row(self.core, context)
-            action = int(self.actions.actions[row]) if row >= 0 else STAY
-            right = self.core[4] % 2 == 0
-            if action == TURN:
-                right = order_side(self.actions.rules, self.core[2], int(self.actions.rules.order[context])) == 1
-            found.add((-turn_rad if right else turn_rad) if action in (TURN, CONTINUE) else 0.0)
-        return tuple(sorted(found))
+        """Return the heading changes that the action game allows in the present state, whatever order comes next."""
+        achieved = self.achieved
+        contexts = contexts_after(self.scene, self.claims, self.cell, last) if achieved else [self.context]
+        return heading_changes_rad(self.actions.rules, self.core, contexts)
 
 
 def replay(

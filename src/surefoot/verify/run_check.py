@@ -10,10 +10,14 @@ from surefoot.verify.belief import Obstacle
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footing import check_feet, check_supports
 from surefoot.verify.motion import check_motion
-from surefoot.verify.navigation import read_table
+from surefoot.verify.navigation import WAIT, read_table
 from surefoot.verify.plan_check import open_plan
+from surefoot.verify.posture import check_posture
 from surefoot.verify.replay import Replayed, replay
 from surefoot.verify.run_file import End, RunFile, Step, Turn, Unsafe, read_run
+
+MOST_IDLE_TURNS = 1000
+"""A walk is given up when more decisions on end than this one brought no step."""
 
 
 def check_run(folder: Path, ledger: Ledger) -> None:
@@ -32,8 +36,10 @@ def check_run(folder: Path, ledger: Ledger) -> None:
     if ledger.total or actions is None:
         return
     _count_records(run, ledger)
+    _check_length(run, ledger)
     done = replay(scene, claims, obstacle, table, actions, run.records, ledger)
     check_motion(scene, claims, done.walked, ledger)
+    check_posture(scene, claims, done.walked, ledger)
     check_feet(scene, done.walked, ledger)
     check_supports(scene, done.walked, ledger)
     ledger.counts["goals_reached"] = done.goals_reached
@@ -62,7 +68,24 @@ def _count_records(run: RunFile, ledger: Ledger) -> None:
     ledger.counts["collisions"] = len(met)
     ledger.counts["unsafe_steps"] = len(unsafe)
     ledger.counts["waypoint_corrections"] = sum(record.lateral != 0 for record in steps)
-    ledger.counts["complete"] = run.end is not None
+
+
+def _check_length(run: RunFile, ledger: Ledger) -> None:
+    """Compare the number of steps with the header; a walk that ends early has to show why."""
+    walked, rule = sum(isinstance(record, Step) for record in run.records), "formats.md 3, steps"
+    ledger.counts["complete"] = run.end is not None and walked == run.steps
+    if walked > run.steps:
+        ledger.refuse(rule, f"{walked} steps are logged, and the header has {run.steps}", "run.jsonl line 1")
+    unsafe = any(isinstance(record, Unsafe) for record in run.records)
+    if walked < run.steps and run.end is not None and not unsafe and not _given_up(run):
+        message = f"the walk ends after {walked} of {run.steps} steps, neither unsafe nor given up"
+        ledger.refuse(rule, message, f"run.jsonl line {run.end.line}")
+
+
+def _given_up(run: RunFile) -> bool:
+    """Return whether the robot did nothing but wait in the last decisions."""
+    last = run.records[-MOST_IDLE_TURNS - 1 :]
+    return len(last) > MOST_IDLE_TURNS and all(isinstance(record, Turn) and record.order >= WAIT for record in last)
 
 
 def _check_times(run: RunFile, ledger: Ledger) -> None:

@@ -24,6 +24,7 @@ _NUMBERS = (
     "yaw_rad heading_change_rad length_m height_change_m omega_radps first_half_s second_half_s dy1_m dy2_m "
     "apex_speed_mps next_apex_speed_mps"
 )
+POLICIES = ("random", "adversarial", "scripted")
 NUMBERS = tuple(_NUMBERS.split())
 VECTORS = {**dict.fromkeys((*_POINTS, *_SWING), 3), **dict.fromkeys(_PLANE, 2)}
 
@@ -106,11 +107,13 @@ class RunFile:
 
     Attributes:
         plan_folder: the plan that was walked.
+        steps: how many steps were to be walked.
         records: turns, steps and unsafe stops in the order of the file.
         end: the end record; None when the log just ends.
     """
 
     plan_folder: Path
+    steps: int
     records: tuple[Turn | Step | Unsafe, ...]
     end: End | None
 
@@ -140,7 +143,7 @@ def read_run(folder: Path) -> RunFile:
             end = _end(fields, number)
         else:
             records.append(_record(kind, fields, number))
-    return RunFile(plan_folder, tuple(records), end)
+    return RunFile(plan_folder, header.whole("steps", least=0), tuple(records), end)
 
 
 def _record(kind: str, fields: Fields, line: int) -> Turn | Step | Unsafe:
@@ -157,9 +160,10 @@ def _check_header(header: Fields, folder: Path) -> Path:
     """Check kind, format and hashes; return the folder of the plan."""
     check_kind(header, "biped-run")
     header.text("surefoot")
-    header.whole("steps", least=0)
-    header.whole("seed", least=-(2**63), most=2**64)
-    header.text("policy")
+    seed = header.get("seed")
+    if type(seed) is not int or seed < 0:
+        raise header.wrong("seed", "has to be a whole number, at least 0")
+    header.text("policy", among=POLICIES)
     checked_file(header.mapping("scenario"), folder)
     checked_file(header.mapping("map"), folder)
     plan = header.mapping("plan")

@@ -99,7 +99,7 @@ def read_scenario(path: Path) -> Scenario:
     """
     top = Fields.of(_load_yaml(path), path)
     top.only(_TOP)
-    if top.get("format") != 1 or top.get("kind") != "biped":
+    if top.get("format") != 1 or type(top.get("format")) is not int or top.get("kind") != "biped":
         raise InputError("has to be of kind biped in format 1", source=path, key="kind")
     grid, start = top.mapping("grid"), top.mapping("start")
     grid.only(("cell_size_m", "origin_m", "rotation_rad", "unknown"))

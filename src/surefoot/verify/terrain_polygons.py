@@ -28,6 +28,7 @@ LONGEST_DROPOUT_M = 0.1
 LONGEST_DROPOUT_CELLS = 5
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Numbers = NDArray[np.floating]
 
 
 def check_terrain(path: Path, ledger: Ledger) -> None:
@@ -54,7 +55,9 @@ def check_terrain(path: Path, ledger: Ledger) -> None:
     good = [shape for shape in shapes if shape.check(steepest, ledger)]
     area_m2 = sum(shape.area_m2() for shape in good)
     if len(good) == len(shapes) and abs(area_m2 - stated.number("area_m2")) > 1e-6 * max(area_m2, 1.0):
-        ledger.refuse("terrain, area", f"the polygons measure {area_m2:.6g} m2, not what is stated", "statistics.area_m2")
+        ledger.refuse(
+            "terrain, area", f"the polygons measure {area_m2:.6g} m2, not what is stated", "statistics.area_m2"
+        )
     ledger.counts.update({"polygons": len(shapes), "area_m2": area_m2})
     source, reading = _input(fields, path)
     if reading.get("as") == "planar regions":
@@ -119,14 +122,14 @@ class _Polygon:
         spans = np.cross(self.points[1:-1] - first, self.points[2:] - first)
         return 0.5 * float(np.linalg.norm(spans.sum(axis=0)))
 
-    def contains(self, x: Floats, y: Floats) -> Flags:
+    def contains(self, x: Numbers, y: Numbers) -> Flags:
         """Return which places, seen from above, lie in the polygon."""
         inside = np.ones(x.shape, np.bool_)
         for (ax, ay, _), (bx, by, _) in zip(self.points, np.roll(self.points, -1, axis=0), strict=True):
             inside &= (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= -1e-12
         return inside
 
-    def height_m(self, x: Floats, y: Floats) -> Floats:
+    def height_m(self, x: Numbers, y: Numbers) -> Floats:
         """Return the height of the plane."""
         height: Floats = (self.offset_m - self.normal[0] * x - self.normal[1] * y) / self.normal[2]
         return height
@@ -161,8 +164,12 @@ class _Ground:
             corners[rows_all - 1 - _index(py - south, cell_m) - top, _index(px - west, cell_m) - first] = True
         holes = (below | corners) & self.empty[rows, columns]
         if (holes & ~self.dropout[rows, columns]).any():
-            ledger.refuse("terrain, hole", f"covers {int((holes & ~self.dropout[rows, columns]).sum())} empty cells", where)
-        apart = np.where(below & ~self.empty[rows, columns], self.scan.height_m[rows, columns] - shape.height_m(x, y), np.nan)
+            ledger.refuse(
+                "terrain, hole", f"covers {int((holes & ~self.dropout[rows, columns]).sum())} empty cells", where
+            )
+        apart = np.where(
+            below & ~self.empty[rows, columns], self.scan.height_m[rows, columns] - shape.height_m(x, y), np.nan
+        )
         self.cells += int(below.sum())
         self.dropouts += int((holes & self.dropout[rows, columns]).sum())
         self._compare(apart, errors, where, ledger)
@@ -172,7 +179,9 @@ class _Ground:
         if not known.any():
             return
         if np.abs(apart[known]).max() > errors[1] + SLACK_M:
-            ledger.refuse("terrain, cells", f"a cell is {np.abs(apart[known]).max():.4f} m off, more than stated", where)
+            ledger.refuse(
+                "terrain, cells", f"a cell is {np.abs(apart[known]).max():.4f} m off, more than stated", where
+            )
         framed, weight = np.pad(np.where(known, apart, 0.0), 1), np.pad(known.astype(np.float64), 1)
         rows, columns = apart.shape
         spots = [(i, j) for i in range(3) for j in range(3)]
@@ -187,7 +196,7 @@ class _Ground:
 
 
 def _narrow_gaps(empty: Flags, cell_m: float, fill_m: float) -> Flags:
-    """Return the empty cells that no square wider than ``fill_m`` of empty cells covers, and that are in short groups."""
+    """Return the empty cells that no empty square wider than ``fill_m`` covers, and that are in short groups."""
     narrow = empty.copy()
     if fill_m <= 0 or not empty.any():
         return np.zeros_like(empty)
@@ -235,7 +244,9 @@ def _check_on_regions(source: Path, reading: dict[str, object], shapes: list[_Po
     for shape in shapes:
         middle = shape.points.mean(axis=0)
         probes = np.vstack([shape.points + share * (middle - shape.points) for share in (1e-6, 0.5)])
-        if not any(_lies_in(probes, region.position_m, region.rotation, region.outer_m, region.holes_m) for region in regions):
+        if not any(
+            _lies_in(probes, region.position_m, region.rotation, region.outer_m, region.holes_m) for region in regions
+        ):
             ledger.refuse("terrain, region", "lies in none of the given regions", f"polygons[{shape.number}]")
 
 

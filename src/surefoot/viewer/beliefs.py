@@ -17,7 +17,7 @@ from surefoot.frames import Cell, Direction
 from surefoot.missions.run_log import Turn
 from surefoot.viewer import style
 from surefoot.viewer.ground import draw_lines, fill_cells, frame, points_m, size_in
-from surefoot.viewer.marks import mark_goals, mark_obstacle, mark_robot
+from surefoot.viewer.marks import goal_key, mark_goals, mark_obstacle, mark_robot, robot_key
 from surefoot.viewer.sources import RunSource
 from surefoot.world import visible_pairs
 
@@ -87,19 +87,19 @@ def _draw_turn(axes: Axes, source: RunSource, number: int, sees: NDArray[np.bool
     for cell in turn.obstacles:
         mark_obstacle(axes, grid.center_m(Cell(*cell)), size=9, seen=cell in turn.visible)
     yaw_rad = Direction[turn.heading.upper()].yaw_rad + grid.rotation_rad
-    mark_robot(axes, grid.center_m(Cell(*turn.cell)), yaw_rad, colour=style.BLUE, size=13)
+    mark_robot(axes, grid.center_m(Cell(*turn.cell)), yaw_rad, colour=style.BLUE, size=15)
     axes.set_title(f"turn {turn.turn}, {turn.time_s:.0f} s: {turn.order}", fontsize=9)
     frame(axes, grid, margin=0.05, labels=False)
 
 
 def _legend() -> list[Any]:
     return [
-        Line2D([], [], ls="", marker=(3, 0, -90), ms=9, color=style.BLUE, label="robot"),
+        robot_key("robot, its heading", colour=style.BLUE),
         Line2D([], [], ls="", marker="o", ms=8, mfc=style.OBSTACLE, mec=style.OBSTACLE, label="obstacle, seen"),
         Line2D(
             [], [], ls="", marker="o", ms=8, mfc="white", mec=style.OBSTACLE, mew=2.2, label="obstacle, hidden (truth)"
         ),
-        Line2D([], [], ls="", marker="*", ms=10, color=style.GOAL, label="goals"),
+        goal_key(),
         Patch(facecolor=style.BELIEF, edgecolor="#8a5f00", hatch="...", lw=0, label="belief: it may be here"),
         Patch(facecolor=style.UNSEEN, label="out of view, known to be empty"),
         Patch(facecolor="white", edgecolor="#8a8a8a", label="in view"),

@@ -9,6 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import ListedColormap
+from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
@@ -58,6 +60,19 @@ def draw_blocked(axes: Axes, grid: CoarseGrid) -> None:
     fill_cells(axes, grid, blocked, facecolor=BLOCKED, edgecolor="#a8a8a8", hatch="////", linewidth=0, zorder=0.5)
 
 
+def ground_keys(grid: CoarseGrid, occupancy: OccupancyMap, *, whole: bool = False) -> list[Patch]:
+    """Return what a legend says about the ground: only what there is."""
+    west, north, east, south = _window(grid, whole=whole)
+    keys = []
+    if not grid.free[north:south, west:east].all():
+        keys.append(Patch(facecolor=BLOCKED, edgecolor="#a8a8a8", hatch="////", lw=0, label="blocked cell"))
+    if occupancy.occupied.any():
+        keys.append(Patch(facecolor=WALL, label="occupied"))
+    if occupancy.unknown.any():
+        keys.append(Patch(facecolor=UNKNOWN, label="unknown"))
+    return keys
+
+
 def draw_lines(axes: Axes, grid: CoarseGrid) -> None:
     """Draw the borders of the cells."""
     across = [[(0, row), (grid.columns, row)] for row in range(grid.rows + 1)]
@@ -77,6 +92,7 @@ def number_cells(axes: Axes, grid: CoarseGrid, *, whole: bool = False) -> None:
         "color": "#444444",
         "zorder": 6,
         "clip_on": True,
+        "path_effects": [withStroke(linewidth=2.2, foreground="white")],
     }
     for row in range(north, south, step):
         x, y = points_m(grid, np.array([west - 0.3, row + 0.5]))

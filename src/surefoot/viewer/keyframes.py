@@ -19,6 +19,9 @@ from surefoot.viewer.sources import RunSource
 
 Values = NDArray[np.float64]
 
+_STOP: dict[str, Any] = {"ls": "", "marker": "s", "ms": 4.5, "mfc": "white", "mec": style.RIGHT, "mew": 1.1}
+_START: dict[str, Any] = {"ls": "", "marker": "^", "ms": 5.5, "mfc": "white", "mec": style.LEFT, "mew": 1.1}
+
 
 def draw_keyframes(source: RunSource, path: Path) -> Path:
     """Draw dy1, dy2, their sum with its bound, step durations and apex speeds."""
@@ -34,7 +37,7 @@ def draw_keyframes(source: RunSource, path: Path) -> Path:
         panels[-1].set_xlabel("walking step")
         panels[-1].set_xlim(-0.5, len(steps) - 0.5)
         figure.align_ylabels(panels)
-        style.legend_outside(figure, _legend(), columns=4)
+        style.legend_outside(figure, _legend(steps), columns=4)
     return path
 
 
@@ -81,11 +84,14 @@ def _draw_speeds(axes: Axes, steps: Sequence[Step], walking: dict[str, Any]) -> 
     axes.axhline(walking.get("switch_speed_max_mps", np.nan), color=style.PURPLE, lw=1.4, ls="-.", zorder=2)
     axes.axhline(walking.get("steering_speed_max_mps", np.nan), color=style.GREEN, lw=1.0, ls="--", zorder=2)
     numbers = np.arange(len(steps))
+    ends = np.array([step.rest_s is not None for step in steps])
+    speeds = np.array([step.next_apex_speed_mps for step in steps])
     switch = [float(turned(step, np.array(step.switch_velocity_mps))[0]) for step in steps]
     axes.plot(numbers, switch, "x", ms=max(3.0, 0.6 * _marker(steps)), mew=0.7, color=style.BOUND, zorder=3)
-    axes.plot(
-        numbers, [step.next_apex_speed_mps for step in steps], ".", ms=_marker(steps), color=style.BLACK, zorder=4
-    )
+    axes.plot(numbers[~ends], speeds[~ends], ".", ms=_marker(steps), color=style.BLACK, zorder=4)
+    axes.plot(numbers[ends], speeds[ends], **_STOP, zorder=5)
+    starts = [(number, step.apex_speed_mps) for number, step in enumerate(steps) if step.rise_s is not None]
+    axes.plot(*np.array(starts, np.float64).reshape(-1, 2).T, **_START, zorder=5)
     axes.set_ylim(0.0, None)
     axes.set_ylabel("speed [m/s]")
 
@@ -100,7 +106,11 @@ def _marker(steps: Sequence[Step]) -> float:
     return float(np.clip(900 / max(1, len(steps)), 2.5, 7.0))
 
 
-def _legend() -> list[Any]:
+def _legend(steps: Sequence[Step]) -> list[Any]:
+    special = (
+        (_STOP, "apex of a stop step", any(step.rest_s is not None for step in steps)),
+        (_START, "apex that a start step begins at", any(step.rise_s is not None for step in steps)),
+    )
     return [
         Line2D([], [], ls="", marker=".", ms=8, color=style.LEFT, label="left foot put down"),
         Line2D([], [], ls="", marker=".", ms=8, color=style.RIGHT, label="right foot put down"),
@@ -110,4 +120,5 @@ def _legend() -> list[Any]:
         Patch(facecolor=style.YELLOW, label="second half"),
         Line2D([], [], ls="", marker=".", ms=8, color=style.BLACK, label="apex speed (band: allowed, dashed: turning)"),
         Line2D([], [], ls="", marker="x", ms=5, color=style.BOUND, label="speed at the switch"),
+        *(Line2D([], [], **looks, label=label) for looks, label, here in special if here),
     ]

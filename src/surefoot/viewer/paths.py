@@ -11,40 +11,117 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Rectangle
 from numpy.typing import NDArray
 
 from surefoot.frames import Cell, Direction
 from surefoot.missions.run_log import Run, Step
 from surefoot.viewer import style
-from surefoot.viewer.ground import draw_blocked, draw_lines, draw_pixels, frame, number_cells, size_in
-from surefoot.viewer.marks import mark_goals, mark_robot
+from surefoot.viewer.ground import (
+    draw_blocked,
+    draw_lines,
+    draw_pixels,
+    frame,
+    ground_keys,
+    number_cells,
+    size_in,
+)
+from surefoot.viewer.levels import draw_levels
+from surefoot.viewer.marks import (
+    goal_key,
+    mark_goals,
+    mark_obstacle_path,
+    mark_robot,
+    obstacle_path_keys,
+    robot_key,
+)
 from surefoot.viewer.motion import com_path_m
+from surefoot.viewer.phase_space import turn_stretch
 from surefoot.viewer.sources import RunSource
+
+_CLOSE_IN = 3.6
+_WINDOW = "#7a4a00"
 
 
 def draw_path(source: RunSource, path: Path) -> Path:
-    """Draw where the robot walked."""
-    run, plan, grid = source.run, source.plan, source.plan.grid
+    """Draw where the robot walked, and a stretch of it so large that the feet can be told apart."""
+    run, grid = source.run, source.plan.grid
+    close = close_stretch(run.steps)
     width, height = size_in(grid, most=10.5)
-    with style.pictured(path, width + 0.8, height + 1.4) as figure:
-        axes = figure.add_subplot()
-        draw_pixels(axes, plan.occupancy)
-        draw_blocked(axes, grid)
-        draw_lines(axes, grid)
-        number_cells(axes, grid)
-        _draw_feet(axes, run.steps, plan.document.get("robot", {}))
-        _draw_com(axes, run.steps)
-        _draw_start(axes, source)
-        unsafe = _draw_unsafe(axes, run)
-        mark_goals(axes, map(grid.center_m, plan.cells("goals")), size=13)
-        frame(axes, grid)
+    width, height = max(width, 1.5), max(height, _CLOSE_IN if close else 1.5)
+    with style.pictured(path, max(4.5, width + 0.8 + (_CLOSE_IN + 0.5 if close else 0)), height + 1.6) as figure:
+        if close:
+            axes, beside = figure.subplots(1, 2, width_ratios=(width, _CLOSE_IN))
+            _draw_close(beside, source, close)
+            _draw_window(axes, beside)
+        else:
+            axes = figure.add_subplot()
+        more = _draw_map(axes, source)
         seconds = run.end.time_s if run.end else run.steps[-1].time_s if run.steps else 0.0
-        axes.set_title(
-            f"{len(run.steps)} walking steps in {seconds:.0f} s, obstacles {run.header.policy}, seed {run.header.seed}"
-        )
-        style.legend_outside(figure, [*_legend(), *unsafe], columns=4)
+        walked = f"{len(run.steps)} walking steps in {seconds:.0f} s"
+        style.title(figure, f"{walked}, obstacles {run.header.policy}, seed {run.header.seed}")
+        style.legend_outside(figure, [*_legend(), *ground_keys(grid, source.plan.occupancy), *more], columns=4)
     return path
+
+
+def close_stretch(steps: Sequence[Step]) -> tuple[Step, ...]:
+    """Return the steps to show close up: the first turn with some steps around it, or the middle of the run."""
+    turn = turn_stretch(steps)
+    if not turn:
+        return tuple(steps[max(0, len(steps) // 2 - 5) : len(steps) // 2 + 5])
+    return tuple(steps[max(0, turn[0].step - 2) : turn[-1].step + 3])
+
+
+def _draw_map(axes: Axes, source: RunSource) -> list[Any]:
+    """Draw the whole run; return what the legend says about what not every run has."""
+    run, plan, grid = source.run, source.plan, source.plan.grid
+    draw_pixels(axes, plan.occupancy)
+    draw_blocked(axes, grid)
+    draw_lines(axes, grid)
+    number_cells(axes, grid)
+    more = draw_levels(axes, grid, plan.scenario)
+    _draw_feet(axes, run.steps, plan.document.get("robot", {}))
+    _draw_com(axes, run.steps)
+    more += _draw_obstacles(axes, source)
+    _draw_start(axes, source)
+    more += _draw_unsafe(axes, run)
+    mark_goals(axes, map(grid.center_m, plan.cells("goals")), size=13)
+    frame(axes, grid)
+    return more
+
+
+def _draw_close(axes: Axes, source: RunSource, steps: Sequence[Step]) -> None:
+    """Draw a few steps on a square of the map."""
+    draw_pixels(axes, source.plan.occupancy)
+    draw_blocked(axes, source.plan.grid)
+    draw_lines(axes, source.plan.grid)
+    draw_levels(axes, source.plan.grid, source.plan.scenario)
+    _draw_feet(axes, steps, source.plan.document.get("robot", {}))
+    _draw_com(axes, steps)
+    feet = np.array([foot[:2] for step in steps for foot in (step.foot_m, step.next_foot_m)])
+    middle, half = (feet.min(axis=0) + feet.max(axis=0)) / 2, float(np.ptp(feet, axis=0).max()) / 2 + 0.35
+    axes.set_aspect("equal")
+    axes.set_xlim(middle[0] - half, middle[0] + half)
+    axes.set_ylim(middle[1] - half, middle[1] + half)
+    axes.set_title(f"close up: steps {steps[0].step} to {steps[-1].step}")
+    axes.spines[:].set_edgecolor(_WINDOW)
+    axes.spines[:].set_linewidth(1.6)
+
+
+def _draw_window(axes: Axes, beside: Axes) -> None:
+    """Draw on the map what the panel beside it shows."""
+    (west, east), (south, north) = beside.get_xlim(), beside.get_ylim()
+    box = Rectangle((west, south), east - west, north - south, fill=False, edgecolor=_WINDOW, lw=1.4, zorder=7)
+    axes.add_patch(box)
+
+
+def _draw_obstacles(axes: Axes, source: RunSource) -> list[Any]:
+    """Draw which cells the obstacles visited; return what the legend says about it."""
+    grid = source.plan.grid
+    paths = list(zip(*(turn.obstacles for turn in source.run.turns), strict=False))
+    for cells in paths:
+        mark_obstacle_path(axes, [grid.center_m(Cell(*cell)) for cell in cells])
+    return list(obstacle_path_keys()) if paths else []
 
 
 def _draw_start(axes: Axes, source: RunSource) -> None:
@@ -52,10 +129,10 @@ def _draw_start(axes: Axes, source: RunSource) -> None:
     steps, turns, grid = source.run.steps, source.run.turns, source.plan.grid
     if steps:
         at_m, yaw_rad = steps[0].waypoint_m[:2], steps[0].yaw_rad - steps[0].heading_change_rad
-        mark_robot(axes, at_m, yaw_rad, colour=style.BLACK, size=12)
+        mark_robot(axes, at_m, yaw_rad, colour=style.BLACK, size=18)
     elif turns:
         yaw_rad = Direction[turns[0].heading.upper()].yaw_rad + grid.rotation_rad
-        mark_robot(axes, grid.center_m(Cell(*turns[0].cell)), yaw_rad, colour=style.BLACK, size=12)
+        mark_robot(axes, grid.center_m(Cell(*turns[0].cell)), yaw_rad, colour=style.BLACK, size=18)
 
 
 def _draw_unsafe(axes: Axes, run: Run) -> list[Any]:
@@ -102,8 +179,6 @@ def _legend() -> list[Any]:
         Line2D([], [], ls="", marker=".", ms=5, color="#777777", label="waypoint"),
         Patch(facecolor=style.LEFT, alpha=0.55, label="left foot"),
         Patch(facecolor=style.RIGHT, alpha=0.55, label="right foot"),
-        Line2D([], [], ls="", marker=(3, 0, -90), ms=9, color=style.BLACK, label="start"),
-        Line2D([], [], ls="", marker="*", ms=11, color=style.GOAL, label="goals, in order"),
-        Patch(facecolor=style.BLOCKED, edgecolor="#999999", hatch="////", lw=0, alpha=0.6, label="blocked cell"),
-        Patch(facecolor=style.WALL, label="occupied"),
+        robot_key("start, its heading", colour=style.BLACK),
+        goal_key(),
     ]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from surefoot.missions.run_log import Step
+from surefoot.missions.run_log import Run, Step
 from surefoot.viewer import style
 from surefoot.viewer.motion import halves, local, turned
 from surefoot.viewer.sources import RunSource
@@ -20,24 +21,33 @@ _STEPS = 5
 
 
 def draw_phase_space(source: RunSource, path: Path) -> Path:
-    """Draw the sagittal phase space of a straight stretch, and of a turn if there is one."""
-    stretches = [
-        (title, steps)
-        for title, steps in (
-            ("straight walking", straight_stretch(source.run.steps)),
-            ("a turn, every step in the frame of its own heading", turn_stretch(source.run.steps)),
-        )
-        if steps
-    ]
+    """Draw the sagittal phase space of a straight stretch, of a turn and of the steps before a stop, if there are."""
+    stretches = [(title, steps) for title, steps in _stretches(source.run) if steps]
     walking = source.plan.document.get("walking", {})
     with style.pictured(path, 9.0, 3.3 * len(stretches) + 0.9) as figure:
         panels = figure.subplots(len(stretches), 1, squeeze=False).ravel()
-        for letter, axes, (title, steps) in zip("ab", panels, stretches, strict=False):
+        for letter, axes, (title, steps) in zip("abc", panels, stretches, strict=False):
             _draw_stretch(axes, steps, walking)
-            axes.set_title(f"({letter}) {title}, steps {steps[0].step} to {steps[-1].step}", loc="left")
+            text = f"({letter}) {title}, steps {steps[0].step} to {steps[-1].step}"
+            axes.set_title("\n".join(wrap(text, 110)), loc="left")
         panels[-1].set_xlabel("position along the heading, summed over the steps [m]")
-        style.legend_outside(figure, _legend(), columns=4)
+        turning = any(step.heading_change_rad for _, steps in stretches for step in steps)
+        style.legend_outside(figure, _legend(turning=turning), columns=4)
     return path
+
+
+def _stretches(run: Run) -> Iterator[tuple[str, Sequence[Step]]]:
+    """Yield what to show, each with its title."""
+    yield "straight walking", straight_stretch(run.steps)
+    yield "a turn, every step in the frame of its own heading", turn_stretch(run.steps)
+    if run.unsafe:
+        yield f"before no step was safe ({run.unsafe[0].reason})", stretch_before_stop(run)
+
+
+def stretch_before_stop(run: Run, count: int = _STEPS) -> tuple[Step, ...]:
+    """Return the last steps before the first moment without a safe step."""
+    before = [step for step in run.steps if step.step < run.unsafe[0].step] if run.unsafe else []
+    return tuple(before[-count:])
 
 
 def straight_stretch(steps: Sequence[Step], count: int = _STEPS) -> tuple[Step, ...]:
@@ -126,11 +136,15 @@ def _draw_bounds(axes: Axes, walking: Mapping[str, Any]) -> None:
     axes.axhline(walking.get("steering_speed_max_mps", np.nan), color=style.GREEN, lw=1.0, ls="--", zorder=3)
 
 
-def _legend() -> list[Any]:
+def _legend(*, turning: bool) -> list[Any]:
+    turned_apex = [
+        Line2D([], [], ls="", marker="o", mfc="white", mec=style.BLACK, label="apex along the new heading"),
+    ]
     return [
         Line2D([], [], color=style.LEFT, lw=2, label="orbit about the left foot"),
         Line2D([], [], color=style.RIGHT, lw=2, label="orbit about the right foot"),
-        Line2D([], [], ls="", marker="o", color=style.BLACK, label="apex (hollow: in the new heading)"),
+        Line2D([], [], ls="", marker="o", color=style.BLACK, label="apex along the old heading" if turning else "apex"),
+        *(turned_apex if turning else []),
         Line2D([], [], ls="", marker="s", mfc="white", mec=style.BLACK, label="switch of the stance foot"),
         Line2D(
             [],

@@ -6,9 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -22,13 +20,14 @@ from surefoot.viewer.ground import (
     draw_pixels,
     fill_cells,
     frame,
+    ground_keys,
     number_cells,
-    points_m,
     size_in,
 )
-from surefoot.viewer.marks import mark_goals, mark_obstacle, mark_robot
+from surefoot.viewer.levels import draw_levels
+from surefoot.viewer.marks import goal_key, mark_goals, mark_obstacle, mark_robot, robot_key
 from surefoot.viewer.sources import read_plan_source
-from surefoot.world import CoarseGrid, OccupancyMap, Rectangle, make_grid, read_occupancy_map
+from surefoot.world import CoarseGrid, OccupancyMap, make_grid, read_occupancy_map
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,12 +119,12 @@ def _draw(figure: Figure, layout: Layout) -> None:
     fill_cells(axes, grid, layout.forbidden, facecolor="none", edgecolor=style.OBSTACLE, hatch="xx", lw=0, zorder=0.8)
     draw_lines(axes, grid)
     number_cells(axes, grid, whole=layout.whole)
-    handles += _draw_heights(axes, layout)
+    handles += draw_levels(axes, grid, scenario)
     _draw_places(axes, layout)
     frame(axes, grid, whole=layout.whole)
     free = int(grid.free.sum())
-    axes.set_title(f"{layout.title}: {free} free cells of {grid.cell_size_m:g} m")
-    style.legend_outside(figure, [*_legend(scenario, forbidden=bool(layout.forbidden)), *handles], columns=4)
+    style.title(figure, f"{layout.title}: {free} free cells of {grid.cell_size_m:g} m")
+    style.legend_outside(figure, [*_legend(layout), *handles], columns=4)
 
 
 def _draw_regions(axes: Axes, layout: Layout) -> list[Any]:
@@ -140,71 +139,25 @@ def _draw_regions(axes: Axes, layout: Layout) -> list[Any]:
     return handles
 
 
-def _draw_heights(axes: Axes, layout: Layout) -> list[Any]:
-    grid, heights = layout.grid, layout.scenario.heights
-    for floor in heights.floors:
-        for area in floor.rectangles_m:
-            corners = _corners(grid, area)
-            axes.add_collection(PolyCollection([corners], facecolors="none", edgecolors=style.BLUE, lw=1.6, zorder=3))
-            looks: dict[str, Any] = {"fontsize": 8, "color": style.BLUE, "ha": "right", "va": "bottom", "zorder": 9}
-            axes.annotate(f"{floor.height_m:g} m", corners[2], (-3, 3), textcoords="offset points", **looks)
-    for stairs in heights.stairs:
-        corners = _corners(grid, stairs.rectangle_m)
-        axes.add_collection(PolyCollection([corners], facecolors="none", edgecolors=style.BLUE, lw=1.6, zorder=3))
-        _draw_risers(axes, grid, stairs)
-    return (
-        [Patch(facecolor="none", edgecolor=style.BLUE, lw=1.6, label="raised floor, stairs (arrow: up)")]
-        if (heights.floors or heights.stairs)
-        else []
-    )
-
-
-def _corners(grid: CoarseGrid, area: Rectangle) -> Any:
-    west, north, east, south = grid.bounds(area)
-    return points_m(grid, np.array([(west, north), (west, south), (east, south), (east, north)]))
-
-
-def _draw_risers(axes: Axes, grid: CoarseGrid, stairs: Any) -> None:
-    """Draw the risers of a flight of stairs, and an arrow that points up."""
-    west, north, east, south = grid.bounds(stairs.rectangle_m)
-    up = Direction[stairs.up.upper()]
-    rows, columns = up.offset
-    for riser in range(stairs.risers):
-        along = (stairs.first_riser_m + riser * stairs.tread_m) / grid.cell_size_m
-        if columns:
-            x = west + along if columns > 0 else east - along
-            line = [(x, north), (x, south)]
-        else:
-            y = south - along if rows < 0 else north + along
-            line = [(west, y), (east, y)]
-        points = points_m(grid, np.array(line))
-        axes.plot(points[:, 0], points[:, 1], color=style.BLUE, lw=0.6, zorder=3)
-    middle = np.array([(west + east) / 2, (north + south) / 2])
-    reach = 0.4 * np.array([columns * (east - west), rows * (south - north)])
-    tail, tip = points_m(grid, np.array([middle - reach, middle + reach]))
-    axes.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": style.BLUE, "lw": 1.6}, zorder=9)
-
-
 def _draw_places(axes: Axes, layout: Layout) -> None:
     """Draw the start with its heading, the goals with their numbers, and the obstacles."""
     scenario = layout.scenario
     yaw_rad = Direction[scenario.start.heading.upper()].yaw_rad + layout.grid.rotation_rad
-    mark_robot(axes, layout.start_m, yaw_rad, colour=style.BLACK, size=13)
+    mark_robot(axes, layout.start_m, yaw_rad, colour=style.BLACK, size=20)
     mark_goals(axes, [goal.position_m for goal in scenario.goals], size=14)
     for obstacle in scenario.obstacles:
         mark_obstacle(axes, obstacle.start_m, size=10)
 
 
-def _legend(scenario: Scenario, *, forbidden: bool) -> list[Any]:
+def _legend(layout: Layout) -> list[Any]:
     handles: list[Any] = [
-        Line2D([], [], ls="", marker=(3, 0, -90), ms=10, color=style.BLACK, label="start, its heading"),
-        Line2D([], [], ls="", marker="*", ms=12, color=style.GOAL, label="goals, in order"),
-        Patch(facecolor=style.BLOCKED, edgecolor="#a8a8a8", hatch="////", lw=0, label="blocked cell"),
-        Patch(facecolor=style.WALL, label="occupied"),
+        robot_key("start, its heading", colour=style.BLACK),
+        goal_key(),
+        *ground_keys(layout.grid, layout.occupancy, whole=layout.whole),
     ]
-    if scenario.obstacles:
+    if layout.scenario.obstacles:
         handles.append(Line2D([], [], ls="", marker="o", ms=9, color=style.OBSTACLE, label="obstacle at the start"))
-    if forbidden:
+    if layout.forbidden:
         hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": style.OBSTACLE, "hatch": "xxx", "lw": 0}
         handles.append(Patch(label="obstacle never here", **hatched))
     return handles

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import matplotlib as mpl
@@ -37,6 +38,9 @@ _SETTINGS: dict[Any, Any] = {
     "hatch.linewidth": 0.6,
 }
 
+_LEGEND_IN = 0.6
+"""The height that pictures reserve for their legend, in inches."""
+
 
 @contextmanager
 def pictured(path: Path, width_in: float, height_in: float) -> Iterator[Figure]:
@@ -55,9 +59,29 @@ def pictured(path: Path, width_in: float, height_in: float) -> Iterator[Figure]:
             figure.savefig(stream, format="png", metadata={"Software": "surefoot"})
 
 
+def title(figure: Figure, text: str) -> None:
+    """Write a title above all panels of a figure, in as many lines as its width needs."""
+    lines = wrap(text, max(24, int(12 * figure.get_figwidth())))
+    figure.suptitle("\n".join(lines), fontsize=10)
+    _grow(figure, 0.17 * (len(lines) - 1))
+
+
 def legend_outside(figure: Figure, handles: list[Any], *, columns: int) -> None:
-    """Put a legend below all panels of a figure."""
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns, frameon=False, handletextpad=0.6)
+    """Put a legend below all panels of a figure, in as many columns as its width has room for."""
+    looks: dict[str, Any] = {"loc": "outside lower center", "frameon": False, "handletextpad": 0.6}
+    for count in range(columns, 0, -1):
+        legend = figure.legend(handles=handles, ncols=count, **looks)
+        extent = legend.get_window_extent(FigureCanvasAgg(figure).get_renderer())
+        if extent.width <= figure.bbox.width or count == 1:
+            break
+        legend.remove()
+    _grow(figure, extent.height / figure.dpi - _LEGEND_IN)
+
+
+def _grow(figure: Figure, inches: float) -> None:
+    """Make a figure higher, so that its panels keep their size."""
+    if inches > 0:
+        figure.set_figheight(figure.get_figheight() + inches)
 
 
 def light_grid(axes: Axes) -> None:

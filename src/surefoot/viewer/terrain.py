@@ -89,7 +89,11 @@ def _draw_narrow(axes: Axes, terrain: Terrain) -> None:
 def _draw_classes(axes: Axes, terrain: Terrain, scan: ElevationMap) -> None:
     colours = ListedColormap([_LOOKS[CellClass(k)][0] for k in range(len(_LOOKS))])
     axes.imshow(
-        np.asarray(terrain.classes), cmap=colours, vmin=-0.5, vmax=len(_LOOKS) - 0.5, extent=_extent(scan),
+        np.asarray(terrain.classes),
+        cmap=colours,
+        vmin=-0.5,
+        vmax=len(_LOOKS) - 0.5,
+        extent=_extent(scan),
         interpolation="nearest",
     )
     known = max(int(scan.known.sum()), 1)

@@ -9,10 +9,11 @@ than there are inward corners); Hertel and Mehlhorn (joining, and the fallback o
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
-import shapely
+import shapely  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -36,14 +37,16 @@ def convex_pieces(polygon: Any, smallest: float = 0.0) -> list[Floats]:
         return []
     polygon = shapely.orient_polygons(polygon)
     corners = _Corners(polygon)
-    if not len(corners.reflex):
-        faces = [polygon]
-    elif len(corners.reflex) > _MOST_CORNERS:
-        faces = _triangles(polygon)
+    if not len(corners.reflex) and not polygon.interiors:
+        return [piece for piece in [clean_outline(polygon)] if len(piece) >= 3]
+    if len(corners.reflex) > _MOST_CORNERS:
+        joined = merged_triangles(polygon)
     else:
         faces = _faces(polygon, corners.cuts())
+        joined = _joined(
+            [piece for face in faces for piece in ([face] if _is_convex(face) else merged_triangles(face))]
+        )
     scale = max(polygon.area, 1e-12)
-    joined = _joined([piece for face in faces for piece in ([face] if _is_convex(face) else _triangles(face))])
     pieces = [clean_outline(face) for face in joined if face.area > max(smallest, 1e-9 * scale)]
     return sorted((piece for piece in pieces if len(piece) >= 3), key=lambda piece: -area_of(piece))
 
@@ -63,7 +66,8 @@ def clean_outline(face: Any) -> Floats:
         if height[worst] > 1e-5 * size:
             break
         points = np.concatenate((points[:worst], points[worst + 1 :]))
-    return points
+    outline: Floats = points
+    return outline
 
 
 def area_of(points: Floats) -> float:
@@ -170,12 +174,60 @@ def _faces(polygon: Any, cuts: list[Floats]) -> list[Any]:
     inside = shapely.contains_properly(polygon, shapely.point_on_surface(found))
     faces = list(found[inside])
     if abs(sum(face.area for face in faces) - polygon.area) > 1e-6 * polygon.area:
-        return _triangles(polygon)
+        return merged_triangles(polygon)
     return faces
 
 
-def _triangles(polygon: Any) -> list[Any]:
-    return [part for part in shapely.get_parts(shapely.constrained_delaunay_triangles(polygon)) if part.area > 0]
+def merged_triangles(polygon: Any) -> list[Any]:
+    """Return convex faces: constrained triangles without the diagonals that are not needed (Hertel and Mehlhorn)."""
+    triangles = [part for part in shapely.get_parts(shapely.constrained_delaunay_triangles(polygon)) if part.area > 0]
+    points = shapely.get_coordinates(shapely.orient_polygons(np.array(triangles, object))).reshape(-1, 4, 2)[:, :3]
+    corners, number = np.unique(points.reshape(-1, 2), axis=0, return_inverse=True)
+    return _HalfEdges(corners.tolist(), number.ravel().tolist()).faces()
+
+
+class _HalfEdges:
+    """Directed edges of triangles: where each starts, the one after and before it, and its twin across the border."""
+
+    def __init__(self, corners: list[list[float]], start: list[int]) -> None:
+        self.corners, self.start = corners, start
+        self.after = [k - 2 if k % 3 == 2 else k + 1 for k in range(len(start))]
+        self.before = [k + 2 if k % 3 == 0 else k - 1 for k in range(len(start))]
+        self.there = [True] * len(start)
+
+    def faces(self) -> list[Any]:
+        """Remove diagonals, longest first, as long as faces stay convex; return the faces."""
+        index = {(self.start[k], self.start[self.after[k]]): k for k in range(len(self.start))}
+        twins = [(k, index[b, a]) for (a, b), k in index.items() if a < b and (b, a) in index]
+        for edge, twin in sorted(twins, key=lambda pair: -self._length(pair[0])):
+            if self._spare(edge, twin) and self._spare(twin, edge):
+                self._remove(edge, twin)
+        found, seen = [], [False] * len(self.start)
+        for k, there in enumerate(self.there):
+            if there and not seen[k]:
+                ring = []
+                while not seen[k]:
+                    seen[k] = True
+                    ring.append(self.corners[self.start[k]])
+                    k = self.after[k]
+                if len(ring) >= 3:
+                    found.append(shapely.polygons(ring))
+        return found
+
+    def _length(self, k: int) -> float:
+        return math.dist(self.corners[self.start[k]], self.corners[self.start[self.after[k]]])
+
+    def _spare(self, edge: int, twin: int) -> bool:
+        """Return whether the corner where an edge starts stays convex without it."""
+        (px, py), (x, y) = self.corners[self.start[self.before[edge]]], self.corners[self.start[edge]]
+        qx, qy = self.corners[self.start[self.after[self.after[twin]]]]
+        return (x - px) * (qy - y) - (y - py) * (qx - x) >= -1e-12
+
+    def _remove(self, edge: int, twin: int) -> None:
+        for one, other in ((edge, twin), (twin, edge)):
+            self.after[self.before[one]] = self.after[other]
+            self.before[self.after[other]] = self.before[one]
+        self.there[edge] = self.there[twin] = False
 
 
 def _is_convex(face: Any) -> bool:

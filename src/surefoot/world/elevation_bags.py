@@ -92,7 +92,9 @@ def choose_topic(bag: AnyReader, path: Path, topic: str | None, kinds: tuple[str
     if topic is None:
         fitting = sorted(name for name, kind in there.items() if kind in kinds)
         if len(fitting) != 1:
-            what = "carries no grid map" if not fitting else f"carries {len(fitting)} topics that fit; choose with --topic"
+            what = (
+                "carries no grid map" if not fitting else f"carries {len(fitting)} topics that fit; choose with --topic"
+            )
             raise InputError(f"{what}; its topics are: {listed}", source=path)
         return fitting[0]
     if topic not in there:
@@ -135,7 +137,9 @@ def grid_map_elevation(message: Any, path: Path, layer: str | None, reading: dic
     notes = []
     yaw = 2 * math.atan2(turn.z, turn.w)
     if abs(math.sin(yaw / 2)) > 1e-3:
-        notes.append(f"the grid map's yaw of {yaw:.3f} rad is ignored, as grid_map itself does; polygons are not turned")
+        notes.append(
+            f"the grid map's yaw of {yaw:.3f} rad is ignored, as grid_map itself does; polygons are not turned"
+        )
     if abs(float(centre.z)) > 1e-9:
         notes.append("the grid map's z position is ignored, as grid_map itself does")
     frame = str(message.header.frame_id if hasattr(message, "header") else info.header.frame_id)

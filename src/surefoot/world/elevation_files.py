@@ -27,7 +27,8 @@ def read_picture(
 ) -> ElevationMap:
     """Read a grey picture: black is the lower end of the height range, white the upper one.
 
-    Pixels that are less than half opaque, or of the grey level ``no_data``, hold no data. 8 and 16 bits are told apart by the file.
+    Pixels that are less than half opaque, or of the grey level ``no_data``, hold no data. 8 and 16 bits
+    are told apart by the file.
     """
     if resolution_m is None:
         raise _required("resolution", path, "metres per pixel")
@@ -113,7 +114,9 @@ def read_array(
                 source=path,
                 key="height-range",
             )
-        heights = height_range_m[0] + heights / np.iinfo(values.dtype).max * (height_range_m[1] - height_range_m[0])
+        heights = height_range_m[0] + heights / (255 if values.dtype == np.uint8 else 65535) * (
+            height_range_m[1] - height_range_m[0]
+        )
     reading = {
         "as": "array",
         "name": chosen,

@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 import numpy as np
-import shapely
+import shapely  # type: ignore[import-untyped]
 
 from surefoot.errors import InputError
 from surefoot.world.convex_pieces import area_of, convex_pieces
@@ -44,8 +44,12 @@ def terrain_of(regions: tuple[PlanarRegion, ...], options: SegmentOptions) -> Te
             indices = tuple(range(first, len(polygons)))
             kept.append(
                 TerrainRegion(
-                    _triple(normal), float(normal @ region.position_m), float(outline.area),
-                    sum(map(area_of, large)), indices, 0.0,
+                    _triple(normal),
+                    float(normal @ region.position_m),
+                    float(outline.area),
+                    sum(map(area_of, large)),
+                    indices,
+                    0.0,
                 )
             )
     area_m2 = sum(polygon.area_m2 for polygon in polygons)

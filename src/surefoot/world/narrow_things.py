@@ -58,9 +58,10 @@ def find_narrow_things(
     side = 2 * max(1, math.ceil(widest_m / (2 * cell_m))) + 1
     lowest = float(np.nanmin(heights)) - 10.0
     filled = np.where(np.isnan(heights), lowest, heights)
-    rise = filled - ndimage.grey_opening(filled, size=(side, side), mode="nearest")
+    framed = np.pad(filled, side, mode="reflect", reflect_type="odd")  # a slope goes on beyond the map
+    rise = filled - ndimage.grey_opening(framed, size=(side, side))[side:-side, side:-side]
     raised = (rise > max(_LEAST_RISE_M, 6 * noise_m)) & ~taken & ~np.isnan(heights)
-    parts = connected(raised, connectivity=2)
+    parts = connected(raised, connectivity=2)  # type: ignore[no-untyped-call]
     covered = np.zeros_like(raised)
     found = []
     for number, place in enumerate(ndimage.find_objects(parts), 1):
@@ -95,5 +96,9 @@ def _measured(
         ends.append((float(x), float(y), float(level + slope * at)))
     lift = rise[mask]
     return NarrowThing(
-        ends[0], ends[1], len(points) * cell_m**2 / length_m, length_m, float(np.median(lift[lift < 5.0]) if (lift < 5.0).any() else lift.min())
+        ends[0],
+        ends[1],
+        len(points) * cell_m**2 / length_m,
+        length_m,
+        float(np.median(lift[lift < 5.0]) if (lift < 5.0).any() else lift.min()),
     )

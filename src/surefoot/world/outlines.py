@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import shapely
+import shapely  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -38,8 +38,8 @@ def inset_outline(mask: Flags, margin_cells: float, least_cells: float = 0.0) ->
         least_cells: what is smaller than this is not worth the work.
 
     Returns:
-        A polygon or multipolygon in (column, row) coordinates, whole numbers at the centres of cells, perhaps empty; and
-        the area [cells] that the margin leaves of the plain contour, to measure the former against.
+        A polygon or multipolygon in (column, row) coordinates, whole numbers at the centres of cells, perhaps empty;
+        and the area [cells] that the margin leaves of the plain contour, to measure the former against.
     """
     rings = contour_rings(mask)
     outside, tips = _beside(mask)
@@ -77,9 +77,10 @@ def _beside(mask: Flags) -> tuple[Floats, Floats]:
 
 
 def _too_near(shape: Any, points: Floats, distance: float) -> Flags:
-    """Return which points are nearer to a shape than a distance."""
-    shapely.prepare(shape)
-    found: Flags = shapely.dwithin(shape, shapely.points(points), distance - 1e-6)
+    """Return which points are nearer to a shape than a distance (corners of the border count a trifle farther)."""
+    border = shapely.buffer(shape, distance - 1e-6, quad_segs=4)
+    shapely.prepare(border)
+    found: Flags = shapely.contains_xy(border, points)
     return found
 
 
@@ -100,7 +101,8 @@ def contour_rings(mask: Flags) -> list[Floats]:
     """Return the closed contours (n, 2) of a mask in (column, row) coordinates, without the repeated last point."""
     from skimage.measure import find_contours
 
-    rings = find_contours(np.pad(mask, 1).astype(np.float64), 0.5, fully_connected="low")
+    framed = np.pad(mask, 1).astype(np.float64)
+    rings = find_contours(framed, 0.5, fully_connected="low")  # type: ignore[no-untyped-call]
     return [ring[:-1, ::-1] - 1.0 for ring in rings if len(ring) > 3]
 
 
@@ -174,7 +176,7 @@ def _meeting(before: Line, after: Line, corner: Floats) -> list[tuple[float, flo
 
 def _region(rings: list[Floats]) -> Any:
     """Return the polygons that nested rings bound: a point is inside when an odd number of rings is around it."""
-    shapes = [shapely.make_valid(shapely.polygons(ring)) for ring in rings if len(ring) >= 3]
+    shapes = [_valid(shapely.polygons(ring)) for ring in rings if len(ring) >= 3]
     if not shapes:
         return shapely.Polygon()
     if len(shapes) == 1:
@@ -185,6 +187,10 @@ def _region(rings: list[Floats]) -> Any:
     if holes:
         result = shapely.difference(outer, shapely.disjoint_subset_union_all(np.array(holes, object)))
     return _polygons(result)
+
+
+def _valid(shape: Any) -> Any:
+    return shape if shapely.is_valid(shape) else shapely.make_valid(shape)
 
 
 def _polygons(shape: Any) -> Any:

@@ -97,9 +97,7 @@ def _region(item: object, key: str, path: Path) -> PlanarRegion:
         raise InputError("has to be a mapping with plane_parameters and boundary", source=path, key=key)
     pose = _part(item, "plane_parameters", key, path)
     position = _coordinates(_part(pose, "position", f"{key}.plane_parameters", path), "xyz", f"{key}.position", path)
-    turn = _coordinates(
-        _part(pose, "orientation", f"{key}.plane_parameters", path), "xyzw", f"{key}.orientation", path
-    )
+    turn = _coordinates(_part(pose, "orientation", f"{key}.plane_parameters", path), "xyzw", f"{key}.orientation", path)
     norm = float(np.linalg.norm(turn))
     if not 0.9 < norm < 1.1:
         raise InputError(f"has to be a unit quaternion, not of length {norm:g}", source=path, key=f"{key}.orientation")

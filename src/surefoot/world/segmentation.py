@@ -1,10 +1,11 @@
 """Splits an elevation map into planar regions that a foot may stand on, and says of every other cell why not.
 
-The order of work: fit a plane to the window around every cell, grow planar regions
-from the middle of even ground, then give cells at edges (where windows mix two surfaces) to the region whose plane they
-lie on, and dropouts of the sensor to the region around them. Wide windows come first, because they see through noise; narrow ones then find what is too small for them.
+The order of work: fit a plane to the window around every cell, grow planar regions from the middle of even ground, then
+give cells at edges (where windows mix two surfaces) to the region whose plane they lie on, and dropouts to
+the region around them. Wide windows come first, because they see through noise; narrow ones then find what is too small
+for them.
 
-Source: our own; the limits are those of the elevation_mapping_cupy plane segmentation (slope, plane error, least cells).
+Source: our own; the limits are of the kind that elevation_mapping_cupy's plane segmentation has (slope, plane error).
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ class SegmentOptions:
         max_error_m: largest distance of the (locally averaged) ground from a polygon's plane.
         max_roughness_m: largest root mean square distance of measured heights from the plane of their window.
         min_area_m2: smallest polygon worth keeping.
-        fill_m: dropouts up to this width are bridged (but at least single cells, unless it is 0); wider holes stay holes.
+        fill_m: dropouts up to this width are bridged (at least single cells, unless it is 0); wider holes stay.
         window_m: side of the window that planes are fitted to.
         friction: written into every polygon.
         keep_narrow: whether narrow raised things become polygons 1 cm wide along their centre line.
@@ -93,7 +94,7 @@ class Segmentation:
         planes: (n + 1, 3) of ``z = a + b column + d row``; row 0 is not used.
         classes: (rows, columns) of ``CellClass``.
         bridged: cells of regions that hold no data: dropouts of the sensor.
-        misses_m: (rows, columns) distance of the ground from its region's plane, averaged over 3 x 3 cells of the region.
+        misses_m: (rows, columns) distance of the ground from its region's plane, averaged over 3 x 3 of its cells.
         noise_m: estimated standard deviation of the measured heights.
     """
 
@@ -160,12 +161,14 @@ class _State:
             core = (self.labels == 0) & (rms <= roughness_m) & (np.hypot(b, d) <= slope * self.cell_m)
         depth = ndimage.distance_transform_edt(np.pad(core, 1))[1:-1, 1:-1]
         seeds = np.flatnonzero(core)
-        seeds = seeds[np.argsort(-depth.ravel()[seeds], kind="stable")].astype(np.int32)
+        seeds = seeds[np.argsort(-depth.ravel()[seeds], kind="stable")]
         count = (2 * half + 1) ** 2
         tolerance_m = 0.5 * self.options.max_error_m + 2 * self.noise_m / math.sqrt(count)
         lever = sum(k * k for k in range(-half, half + 1)) * (2 * half + 1)
         bend = 0.15 * self.cell_m + 3 * self.noise_m / math.sqrt(lever)
-        found, _ = kernels.grow_regions(smooth, b, d, core, seeds, tolerance_m, bend, max(self.least // 4, 3), 1)
+        found, _ = kernels.grow_regions(
+            smooth, b, d, core, seeds.astype(np.int32), tolerance_m, bend, max(self.least // 4, 3), 1
+        )
         self._settle(found, smooth, half)
 
     def _settle(self, found: Labels, smooth: Floats, half: int) -> None:
@@ -207,7 +210,7 @@ class _State:
         from scipy import ndimage
         from skimage.measure import label as connected
 
-        parts = connected(found, background=0, connectivity=1)
+        parts = connected(found, background=0, connectivity=1)  # type: ignore[no-untyped-call]
         sizes = np.bincount(parts.ravel())
         depth = ndimage.distance_transform_edt(np.pad(_inside(parts), 1))[1:-1, 1:-1]
         widest = np.asarray(ndimage.maximum(depth, parts, np.arange(len(sizes)))) * self.cell_m
@@ -262,8 +265,8 @@ def surface(labels: Labels, planes: Floats) -> Floats:
 def find_dropouts(height_m: Floats, cell_m: float, fill_m: float) -> Flags:
     """Return the cells without data that are no holes but dropouts of the sensor.
 
-    A dropout is a group of empty cells (joined by sides) that nowhere holds a square wider than ``fill_m`` (single cells
-    always count as narrow, unless it is 0) and that is not longer than five cells or 10 cm.
+    A dropout is a group of empty cells (joined by sides) that nowhere holds a square wider than ``fill_m`` (single
+    cells always count as narrow, unless it is 0) and that is not longer than five cells or 10 cm.
     """
     from scipy import ndimage
     from skimage.measure import label as connected
@@ -275,7 +278,7 @@ def find_dropouts(height_m: Floats, cell_m: float, fill_m: float) -> Flags:
     square = np.ones((width + 1, width + 1), np.bool_)
     holes = ndimage.binary_opening(np.pad(empty, width + 1, constant_values=True), square)
     thin = empty & ~holes[width + 1 : -width - 1, width + 1 : -width - 1]
-    parts = connected(thin, connectivity=1)
+    parts = connected(thin, connectivity=1)  # type: ignore[no-untyped-call]
     longest = max(5, round(0.1 / cell_m))
     short = np.array([False] + [_extent(place) <= longest for place in ndimage.find_objects(parts)])
     dropouts: Flags = short[parts] & thin
@@ -283,7 +286,7 @@ def find_dropouts(height_m: Floats, cell_m: float, fill_m: float) -> Flags:
 
 
 def _extent(place: tuple[slice, slice]) -> int:
-    return max(place[0].stop - place[0].start, place[1].stop - place[1].start)
+    return max(int(place[0].stop - place[0].start), int(place[1].stop - place[1].start))
 
 
 def _inside(labels: Labels) -> Flags:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +48,7 @@ def stairs(
     edges = np.array([1.0 + k * tread_m for k in range(steps)])
     length_m = 2.0 + (steps - 1) * tread_m
     bounds = [0.0, *edges, length_m]
-    tops = [_box(low, 0.0, high, width_m) for low, high in zip(bounds[:-1], bounds[1:], strict=True)]
+    tops = [_box(low, 0.0, high, width_m) for low, high in pairwise(bounds)]
 
     def height(x: Floats, y: Floats) -> Floats:
         inside = (x >= 0) & (x < length_m) & (y >= 0) & (y < width_m)
@@ -113,7 +114,7 @@ def _scanned(
     turn = np.array([[cos, -sin], [sin, cos]])
     corners = _box(0.0, 0.0, *size_m) @ turn.T
     low = np.floor(corners.min(axis=0) / cell_m - 2) * cell_m
-    columns, rows = (int(math.ceil(side / cell_m)) + 2 for side in corners.max(axis=0) - low)
+    columns, rows = (math.ceil(side / cell_m) + 2 for side in corners.max(axis=0) - low)
     x = low[0] + (np.arange(columns) + 0.5) * cell_m
     y = low[1] + (rows - np.arange(rows) - 0.5) * cell_m
 

@@ -125,7 +125,8 @@ def segment_terrain(elevation: ElevationMap, options: SegmentOptions | None = No
 def terrain_of_regions(regions: tuple[PlanarRegion, ...], options: SegmentOptions | None = None) -> Terrain:
     """Return the steppable polygons of planar regions that another program has segmented.
 
-    Regions steeper than the limit are left out and reported; the margin is taken off, the rest split into convex pieces.
+    Regions steeper than the limit are left out and reported; the margin is taken off, the rest is split into
+    convex pieces.
     """
     from surefoot.world.given_regions import terrain_of
 
@@ -160,7 +161,7 @@ class _Builder:
                 self._add_region(int(label), places[label - 1], int(sizes[label]))
 
     def _add_region(self, label: int, place: tuple[slice, slice], size: int) -> None:
-        import shapely
+        import shapely  # type: ignore[import-untyped]
 
         from surefoot.world.convex_pieces import area_of, convex_pieces
         from surefoot.world.outlines import inset_outline
@@ -194,9 +195,7 @@ class _Builder:
         self.flat_m2 += flat_m2
         error_m = self._measure(mask, place, label)
         indices = tuple(range(first, len(self.polygons)))
-        self.regions.append(
-            TerrainRegion(normal, offset_m, size * cell_m**2 / rise, flat_m2 / rise, indices, error_m)
-        )
+        self.regions.append(TerrainRegion(normal, offset_m, size * cell_m**2 / rise, flat_m2 / rise, indices, error_m))
 
     def _measure(self, mask: NDArray[np.bool_], place: tuple[slice, slice], label: int) -> float:
         """Return the largest distance of the ground from the plane, and remember the largest of all regions."""
@@ -279,7 +278,9 @@ class _Builder:
         if found.noise_m > 0.015:
             said.append(f"the ground is rough or noisy: {found.noise_m * 1000:.0f} mm; edges are uncertain")
         if options.margin_m < 0.5 * cell_m:
-            said.append(f"the margin of {options.margin_m:g} m is below half a cell: edges are known to half a cell only")
+            said.append(
+                f"the margin of {options.margin_m:g} m is below half a cell: edges are known to half a cell only"
+            )
         return said
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
+import shapely  # type: ignore[import-untyped]
 
 from surefoot.world.synthetic_terrain import SyntheticTerrain
 from surefoot.world.terrain_polygons import Terrain
@@ -51,7 +51,9 @@ def compare_with_truth(terrain: Terrain, truth: SyntheticTerrain, margin_m: floa
     for polygon in terrain.polygons:
         shape = shapely.polygons(polygon.vertices_m[:, :2])
         west, south, east, north = shape.bounds
-        grid = np.stack(np.meshgrid(np.linspace(west, east, PROBES), np.linspace(south, north, PROBES)), -1).reshape(-1, 2)
+        grid = np.stack(np.meshgrid(np.linspace(west, east, PROBES), np.linspace(south, north, PROBES)), -1).reshape(
+            -1, 2
+        )
         x, y = np.vstack((grid[shapely.contains_xy(shape, grid)], polygon.vertices_m[:, :2])).T
         true_m = truth.height_m(x, y)
         over += int(np.isnan(true_m).sum())

@@ -1,0 +1,133 @@
+"""Re-targeting: the feasible standing pose nearest to a wished one, before the whole program is solved (VII-A1).
+
+A kinematic program: base position, four feet each on one polygon, forces that carry the weight within friction and
+torque, all below the rows of Eqs. (6)-(11), (14) and (16). "The base above the support polygon" of unknown feet is
+bilinear; here the base keeps near the mean of the feet, which is linear and lies in it.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surefoot.footholds.gaits import Gait
+from surefoot.footholds.model import INF, Choice, all_open
+from surefoot.footholds.nodes import Node
+from surefoot.footholds.problem import Array, Problem, nominal_feet
+from surefoot.footholds.qp import solve_qp
+from surefoot.footholds.rows import Cost, CostBuilder, Quantity, RowBuilder, Rows
+from surefoot.footholds.search import search
+from surefoot.footholds.terrain import cone_hull, hull_of
+
+SHIFT_MAX_M = (0.15, 0.10, 0.10)
+NEAR_MEAN_M = 0.05
+_FOOT_WEIGHT, _FORCE_WEIGHT = 1.0, 1e-5
+_FEET = np.arange(3, 15).reshape(4, 3)
+_FORCES = np.arange(15, 27).reshape(4, 3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Retargeted:
+    """A pose to stand in.
+
+    Attributes:
+        verdict: ``feasible``, ``infeasible`` or ``unknown``.
+        position_m: of the base; None without a pose.
+        feet_m: shape (4, 3); None without a pose.
+        polygons: of the four feet.
+        shift_m: distance from the wished position.
+        solve_ms: what it took.
+    """
+
+    verdict: str
+    position_m: Array | None
+    feet_m: Array | None
+    polygons: tuple[int, ...]
+    shift_m: float | None
+    solve_ms: float
+
+
+def retarget(problem: Problem) -> Retargeted:
+    """Return the feasible standing pose nearest to the goal of a problem, with the goal's orientation."""
+    begin = time.perf_counter()
+    end = begin + problem.options.time_limit_s
+    standing = _standing(problem)
+    program = StandingProgram(standing)
+    outcome = search(standing, program, all_open(standing), gap=1e-6, stop=lambda: time.perf_counter() > end)
+    elapsed_ms = (time.perf_counter() - begin) * 1e3
+    if outcome.best is None or outcome.node is None:
+        return Retargeted("infeasible" if outcome.complete else "unknown", None, None, (), None, elapsed_ms)
+    unknowns = outcome.node.answer.unknowns
+    position = unknowns[:3]
+    shift = float(np.linalg.norm(position - problem.goal_m))
+    ids = tuple(left[0] for left in outcome.best)
+    return Retargeted("feasible", position, unknowns[_FEET], ids, shift, elapsed_ms)
+
+
+def retargeted(problem: Problem, found: Retargeted) -> Problem:
+    """Return a problem with the goal moved to a pose that was found."""
+    assert found.position_m is not None
+    return replace(problem, goal_m=found.position_m)
+
+
+def _standing(problem: Problem) -> Problem:
+    """Return a problem of one step per foot that ends in the goal: what the search needs to know of polygons."""
+    dt = problem.step_s
+    gait = Gait(("STANCE", "FLY", "STANCE"), (0.0, dt, 3 * dt, 4 * dt))
+    options = replace(problem.options, collision=False, moment_balance=False)
+    return replace(
+        problem, gait=gait, options=options, start_m=problem.goal_m, start_rpy_rad=problem.goal_rpy_rad, free_regions=()
+    )
+
+
+class StandingProgram:
+    """The program of the search: one pose.
+
+    Args:
+        problem: as ``_standing`` returns it; its start and goal are the wished pose.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        build = CostBuilder(27)
+        wished = nominal_feet(problem.robot, problem.goal_m, problem.goal_rpy_rad)
+        build.add(problem.weights.position, [(1.0, Quantity.unknown(np.arange(3)))], problem.goal_m)
+        build.add(_FOOT_WEIGHT, [(1.0, Quantity.unknown(_FEET))], wished)
+        build.add(_FORCE_WEIGHT, [(1.0, Quantity.unknown(_FORCES))], 0.0)
+        self.cost: Cost = build.cost()
+
+    def rows(self, choice: Choice) -> Rows:
+        """Return the rows for what a choice leaves open."""
+        problem, build = self.problem, RowBuilder(27)
+        base, feet, forces = (Quantity.unknown(index) for index in (np.arange(3), _FEET, _FORCES))
+        shift = np.array(SHIFT_MAX_M)
+        build.add("support", problem.goal_m - shift, problem.goal_m + shift, [(1.0, base)])
+        mean = [(-0.25, feet[foot, :2]) for foot in range(4)]
+        build.add("support", -NEAR_MEAN_M, NEAR_MEAN_M, [(1.0, base[:2]), *mean])
+        weight = np.array([0.0, 0.0, problem.robot.mass_kg * problem.gravity_mps2])
+        build.add("dynamics", weight, weight, [(1.0, forces[foot]) for foot in range(4)])
+        turn, reach = problem.rotations[-1], np.array(problem.robot.foot_reach_m)
+        limit = np.array(problem.robot.torque_max_nm)
+        for number, step in enumerate(problem.footsteps):
+            foot = step.foot
+            nominal = np.array(problem.robot.feet_m[foot])
+            terms = [(turn[b], feet[foot, b][None]) for b in range(3)]
+            terms += [(-turn[b], base[b][None]) for b in range(3)]
+            build.add("reach", nominal - reach, nominal + reach, terms)
+            ground = [problem.polygons[r] for r in choice[number]]
+            hull = hull_of(ground)
+            build.add("region", -INF, hull.bounds, [(hull.planes[:, a], feet[foot, a][None]) for a in range(3)])
+            if hull.normal is not None:
+                build.add("region", hull.offset, hull.offset, [(hull.normal[a], feet[foot, a][None]) for a in range(3)])
+            cone, arm = cone_hull(ground), np.array(problem.robot.jacobians[foot])
+            build.add("friction", -INF, 0.0, [(cone[:, a], forces[foot, a][None]) for a in range(3)])
+            build.add("torque", -limit, limit, [(arm[a], forces[foot, a][None]) for a in range(3)])
+        return build.rows()
+
+    def solve(self, choice: Choice) -> Node:
+        """Solve the program; the feet stand where they are at the last sample."""
+        rows = self.rows(choice)
+        answer = solve_qp(self.cost, rows)
+        return Node(rows, answer, np.broadcast_to(answer.unknowns[_FEET], (4, 4, 3)))
