@@ -65,11 +65,13 @@ class Game:
             holds &= self.evaluate(conjunct.expression, now, after)
         return holds
 
-    def holds(self, conjuncts: Iterable[Conjunct], now: State) -> bool:
-        """Return whether some lines without primes hold."""
-        names = [v.name for v in self.spec.variables]
-        current = dict(zip(names, now, strict=False))
-        return all(bool(self.evaluate(c.expression, current)) for c in conjuncts)
+    def begins(self, conjuncts: Iterable[Conjunct]) -> list[State]:
+        """Return the states in which some lines without primes hold."""
+        now = {v.name: self.table[:, k] for k, v in enumerate(self.spec.variables)}
+        holds = np.ones(len(self.states), dtype=np.bool_)
+        for conjunct in conjuncts:
+            holds &= self.evaluate(conjunct.expression, now)
+        return [self.states[s] for s in np.flatnonzero(holds)]
 
     def _edges_with(self, conjunct: Conjunct | None, legal: NDArray[np.bool_]) -> set[Edge]:
         holds = legal if conjunct is None else legal & self.everywhere([conjunct])
@@ -77,7 +79,7 @@ class Game:
 
     def reachable(self) -> set[State]:
         """Return the states that plays visit in which both players keep their safety."""
-        queue = [s for s in self.states if self.holds(self.spec.env_init, s) and self.holds(self.spec.sys_init, s)]
+        queue = self.begins(self.spec.env_init + self.spec.sys_init)
         seen = set(queue)
         for state in queue:
             for inputs in self.moves[state]:
@@ -118,11 +120,11 @@ def decide_naively(game: Game, *, semantics: str = "slugs") -> bool:
 def _starts(game: Game, winning: set[State], semantics: str) -> tuple[State | None, list[State]]:
     """Return initial inputs that the environment wins with (None: there are none), and the initial states of a play."""
     spec = game.spec
-    starts = [s for s in game.states if game.holds(spec.env_init, s) and game.holds(spec.sys_init, s)]
+    starts = game.begins(spec.env_init + spec.sys_init)
     if semantics == "robotics":
         bad = next((s for s in starts if s not in winning), None)
         return (None, starts) if bad is None else (bad[: game.inputs], [bad])
-    first_inputs = [i for i in product(*(v.values for v in spec.inputs)) if game.holds(spec.env_init, i)]
+    first_inputs = list(dict.fromkeys(s[: game.inputs] for s in game.begins(spec.env_init)))
     by_inputs = {i: [s for s in starts if s[: game.inputs] == i] for i in first_inputs}
     lost = next((i for i, states in by_inputs.items() if not winning & set(states)), None)
     if lost is None:

@@ -10,7 +10,7 @@ import pytest
 
 from gr1_specs import random_specification
 from naive_gr1 import Game, decide_naively
-from surefoot.games import synthesize
+from surefoot.games import EnvDeadEnd, synthesize
 from surefoot.logic import read_specification, write_structuredslugs
 from surefoot.logic.strategy_file import Semantics, save_strategy
 from surefoot.verify import verify_path
@@ -35,14 +35,15 @@ def drawn(batch: int) -> Iterator[tuple[Game, int]]:
 def test_engines_agree_with_the_oracle(batch: int, capsys: pytest.CaptureFixture[str]) -> None:
     unrealizable = large = assuming = 0
     for place, (game, reachable) in enumerate(drawn(batch)):
-        spec, semantics, dead_end = game.spec, SEMANTICS[place % 2], "wins" if game.dead_end_won else "loses"
+        spec, semantics = game.spec, SEMANTICS[place % 2]
+        dead_end: EnvDeadEnd = "wins" if game.dead_end_won else "loses"
         expected = decide_naively(game, semantics=semantics)
         for engine in ("explicit", "symbolic"):
             answer = synthesize(
                 spec,
                 semantics=semantics,
                 engine=engine,  # type: ignore[arg-type]
-                env_dead_end=dead_end,  # type: ignore[arg-type]
+                env_dead_end=dead_end,
                 realizability_only=True,
             )
             assert answer.engine == engine

@@ -122,7 +122,7 @@ def test_what_takes_too_long_is_left_open(tmp_path: Path, monkeypatch: pytest.Mo
 @pytest.mark.parametrize(
     ("rows", "size_m", "complaint"),
     [
-        (["######", "#....#", "######"], SIZE_M, "has 4 free cells of 2.70351 m, but none on a loop"),
+        (["######", "#....#", "######"], SIZE_M, "has 4 free cells of 2.70351 m, none of them on a loop"),
         (["####", "####", "####"], SIZE_M, "has 0 free cells"),
         (RING, 5.0, "smaller cells would do: --cell-size"),
         (RING, 0.5, "cell"),

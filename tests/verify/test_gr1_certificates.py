@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -194,8 +193,8 @@ def wins(path: Path, spec: Specification) -> bool:
     rows = [tuple(row) for row in transducer.values.tolist()]
     system, inputs = transducer.player == "system", len(spec.inputs)
     starts = transducer.initial.tolist()
-    first = [i for i in product(*(v.values for v in spec.inputs)) if game.holds(spec.env_init, i)]
-    allowed = [s for s in game.states if game.holds(spec.sys_init, s)]
+    first = list(dict.fromkeys(s[:inputs] for s in game.begins(spec.env_init)))
+    allowed = game.begins(spec.sys_init)
     if system:
         if sorted(rows[n][:inputs] for n in starts) != sorted(first) or any(rows[n] not in allowed for n in starts):
             return False

@@ -166,6 +166,10 @@ DOCTORED: dict[str, tuple[Change, str]] = {
         lambda r: shifted(of(r, "step", 0), "waypoint_m", 0.001),
         "formats.md 3, standing posture",
     ),
+    "a sign that changes from none": (
+        lambda r: of(r, "step", 0).update(sign_alternates=True),
+        "formats.md 3, standing posture",
+    ),
     "a foot set down without a stop": (
         lambda r: of(r, "step", 3).update(closing_foot_m=of(r, "step", 3)["foot_m"]),
         "rules.md 6, continuity",

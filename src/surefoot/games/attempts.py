@@ -1,4 +1,4 @@
-"""Solving symbolically within limits: two variable orders in turn, and a watch over operations that run too long."""
+"""Solving symbolically within limits: variable orders in turn, and a watch over operations that run too long."""
 
 from __future__ import annotations
 
@@ -37,18 +37,18 @@ def attempt(
     whole_region: bool = False,
     most_work: int | None = None,
 ) -> tuple[SymbolicGame, SymbolicResult]:
-    """Solve a game with one variable order, then with the other, with growing shares of work, until one is done.
+    """Solve a game with one variable order after the other, with growing shares of work, until one is done.
 
     The better order may be faster by a factor of a hundred, and no measure of the order alone tells which it is. The
     shares count nodes, not seconds, so that the outcome is the same every time.
 
     Raises:
         LimitExceeded: once the deadline or the node limit is passed.
-        OutOfWork: once both orders have used up ``most_work``.
+        OutOfWork: once all orders have used up ``most_work``.
     """
     orders = variable_orders(game)
     for turn in count():
-        share = FIRST_SHARE * _GROWTH ** (turn // 2)
+        share = FIRST_SHARE * _GROWTH ** (turn // len(orders))
         if most_work is not None and share > most_work:
             raise OutOfWork
         try:
@@ -58,7 +58,7 @@ def attempt(
                 deadline=deadline,
                 backend=backend,
                 node_limit=node_limit,
-                order=orders[turn % 2],
+                order=orders[turn % len(orders)],
                 most_work=share,
             )
             stop = _never if whole_region else partial(_is_lost, solved, robotics)

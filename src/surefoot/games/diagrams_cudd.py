@@ -48,7 +48,7 @@ class CuddDiagrams:
 
     def differ(self, left: Set, right: Set) -> Set:
         """Return ``left ^ right``."""
-        return self._limited(lambda: left ^ right)
+        return self._limited(lambda: self._manager.apply("xor", left, right))
 
     def exists(self, function: Set, cube: Set) -> Set:
         """Return the projection: some value of the cube's variables."""

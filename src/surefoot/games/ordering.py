@@ -22,18 +22,26 @@ _WIDEST_EDGE = 12
 
 
 def variable_orders(game: BitGame) -> list[list[int]]:
-    """Return two orders of the bits to try, top first: the better arrangement, and the same upside down.
+    """Return orders of the bits to try, top first.
 
-    The one with the environment's bits further down comes first: most games are solved much faster that way round,
-    since the environment's next values are quantified last.
+    The arrangement is computed from two starts; each stands here both ways round, at first the way with the
+    environment's bits further down: most games are solved faster so, since the environment's next values are quantified
+    last.
     """
     edges = _edges(game)
     starts = (list(range(len(game.bits))), _outputs_first(game))
-    best = min((_force(start, edges) for start in starts), key=lambda order: _span(order, edges))
-    depth = [place for place, bit in enumerate(best) if bit < game.inputs]
-    if depth and 2 * sum(depth) < len(depth) * (len(best) - 1):
-        best = best[::-1]
-    return [best, best[::-1]]
+    found = sorted((_force(start, edges) for start in starts), key=lambda order: _span(order, edges))
+    found = [order[::-1] if _environment_above(game, order) else order for order in found]
+    orders: list[list[int]] = []
+    for order in (*found, *(order[::-1] for order in found)):
+        if order not in orders:
+            orders.append(order)
+    return orders
+
+
+def _environment_above(game: BitGame, order: Sequence[int]) -> bool:
+    depth = [place for place, bit in enumerate(order) if bit < game.inputs]
+    return bool(depth) and 2 * sum(depth) < len(depth) * (len(order) - 1)
 
 
 def _outputs_first(game: BitGame) -> list[int]:

@@ -98,9 +98,10 @@ def _layout(occupancy: OccupancyMap, cell_size_m: float, robot: str) -> Layout:
     grid = best_grid(occupancy, cell_size_m, _inflation_m(cell_size_m, robot))
     loops = looping_cells(grid)
     if len(loops) < _LEAST_LOOP:
+        free = int(grid.free.sum())
+        lack = "none of them on a loop, which a robot needs that makes no U-turn" if free else "far too few to walk"
         raise InputError(
-            f"has {int(grid.free.sum())} free cells of {cell_size_m:g} m, but none on a loop, which a robot needs that "
-            f"makes no U-turn; {_advice(occupancy, cell_size_m, robot)}",
+            f"has {free} free cells of {cell_size_m:g} m, {lack}; {_advice(occupancy, cell_size_m, robot)}",
             source=occupancy.path,
         )
     return lay_out(grid, loops)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from surefoot.reach.certified import Certified, certified_region
     from surefoot.reach.controller import Controller, HalfStepController
     from surefoot.reach.ensembles import Law, table_1
-    from surefoot.reach.library import RegionLibrary, region_library
+    from surefoot.reach.library import RegionLibrary, composed_library, region_library
     from surefoot.reach.parameters import (
         Disturbance,
         GridSpec,
@@ -37,7 +37,7 @@ _HOMES = {
     "certified": ("Certified", "certified_region"),
     "controller": ("Controller", "HalfStepController"),
     "ensembles": ("Law", "table_1"),
-    "library": ("RegionLibrary", "region_library"),
+    "library": ("RegionLibrary", "composed_library", "region_library"),
     "parameters": (
         "Disturbance",
         "GridSpec",
@@ -77,6 +77,7 @@ __all__ = [
     "capture_foot",
     "capture_step",
     "certified_region",
+    "composed_library",
     "first_foot_after_turn",
     "load_region",
     "masks_sha256",

@@ -14,11 +14,14 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surefoot.compute import Deadline
 from surefoot.errors import InputError
 from surefoot.reach.artefact import inputs_sha256, load_region, save_region
 from surefoot.reach.controller import Controller
+from surefoot.reach.flows import Floats
+from surefoot.reach.lattice import Cells
 from surefoot.reach.parameters import Settings, Transition, first_foot_after_turn
 from surefoot.reach.synthesis import Region, synthesize
 from surefoot.walking import StepLibrary
@@ -110,14 +113,11 @@ class RegionLibrary:
         i, j = np.nonzero(source.second.target)
         if i.size == 0:
             return None
-        turn, length = math.cos(after.heading_change_rad), source.transition.step_length_m
-        x0, x1 = ((edges[i] - length) * turn for edges in source.cells.x_edges())
-        v0, v1 = (edges[j] * turn for edges in source.cells.v_edges())
-        held = _covered(region, x0, x1, v0, v1)
+        held = _target_held(source, after, region, i, j)
         if held.all():
             return None
-        lost = ~held
-        span = (float(v0[lost].min() / turn), float(v1[lost].max() / turn))
+        lost, (low, high) = j[~held], source.cells.v_edges()
+        span = (float(low[lost].min()), float(high[lost].max()))
         return Gap(before.name, after.name, float(lost.mean()), span)
 
 
@@ -150,6 +150,71 @@ def region_library(
         progress(step.name)
         regions[step.name] = _region(step.transition, settings, cache)
     return RegionLibrary(tuple(steps), MappingProxyType(regions), settings)
+
+
+def composed_library(
+    steps: Sequence[LibraryStep],
+    settings: Settings,
+    *,
+    follows: Callable[[LibraryStep, LibraryStep], bool] = lambda before, after: True,
+    deadline: Deadline = _NO_DEADLINE,
+) -> RegionLibrary:
+    """Synthesise regions that compose: every target is cut down to what the steps after it can start from.
+
+    Steps that differ in their window of apex velocities only are one action, whose window is free to choose. A target
+    cell stays when every action that may follow has a window whose first-half region holds the cell. Cutting targets
+    shrinks regions, so it is repeated until nothing is cut. Source: Corollary IV.6 (i).
+
+    Args:
+        steps: with different names.
+        settings: of every synthesis.
+        follows: which steps may follow which.
+        deadline: when to give up.
+
+    Raises:
+        LimitExceeded: the deadline passed.
+    """
+    regions = dict(region_library(steps, settings, deadline=deadline).regions)
+    while True:
+        deadline.check("composing regions")
+        kept = {step.name: _kept_target(step, steps, regions, follows) for step in steps}
+        cut = [step for step in steps if (regions[step.name].second.target & ~kept[step.name]).any()]
+        if not cut:
+            return RegionLibrary(tuple(steps), MappingProxyType(regions), settings)
+        for step in cut:
+            regions[step.name] = synthesize(step.transition, settings, within=kept[step.name])
+
+
+def _kept_target(
+    before: LibraryStep,
+    steps: Sequence[LibraryStep],
+    regions: Mapping[str, Region],
+    follows: Callable[[LibraryStep, LibraryStep], bool],
+) -> Cells:
+    """Return the target cells of a step from which every action that may follow can be started."""
+    source = regions[before.name]
+    i, j = np.nonzero(source.second.target)
+    actions: dict[tuple[object, ...], NDArray[np.bool_]] = {}
+    for after in steps:
+        if not follows(before, after):
+            continue
+        held = _target_held(source, after, regions[after.name], i, j)
+        key = (after.turn, after.number)
+        actions[key] = actions.get(key, np.zeros(i.size, np.bool_)) | held
+    kept = np.zeros_like(source.second.target)
+    stays = np.all(list(actions.values()), axis=0) if actions else np.ones(i.size, np.bool_)
+    kept[i[stays], j[stays]] = True
+    return kept
+
+
+def _target_held(
+    source: Region, after: LibraryStep, region: Region, i: NDArray[np.int64], j: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Tell which target cells of one step lie, in the frame of the next, in its first-half region."""
+    turn, length = math.cos(after.heading_change_rad), source.transition.step_length_m
+    x0, x1 = ((edges[i] - length) * turn for edges in source.cells.x_edges())
+    v0, v1 = (edges[j] * turn for edges in source.cells.v_edges())
+    return _covered(region, x0, x1, v0, v1)
 
 
 def action_steps(
@@ -198,7 +263,7 @@ def _region(transition: Transition, settings: Settings, cache: Path | None) -> R
     return region
 
 
-def _covered(region: Region, x0: np.ndarray, x1: np.ndarray, v0: np.ndarray, v1: np.ndarray) -> np.ndarray:
+def _covered(region: Region, x0: Floats, x1: Floats, v0: Floats, v1: Floats) -> NDArray[np.bool_]:
     """Tell which rectangles lie in winning cells of the first half step; edges may touch."""
     cells, inward = region.cells, 1e-9
     i0 = np.floor((x0 - cells.x0_m) / cells.x_step_m + 0.5 + inward).astype(int)

@@ -102,13 +102,16 @@ class Region:
         return None
 
 
-def synthesize(transition: Transition, settings: Settings, *, all_masks: bool = True) -> Region:
+def synthesize(
+    transition: Transition, settings: Settings, *, all_masks: bool = True, within: Cells | None = None
+) -> Region:
     """Synthesise the regions of a walking step.
 
     Args:
         transition: of the step.
         settings: disturbance, sampling time, grid and inputs.
         all_masks: keep every winning omega per cell, or only the first that is found.
+        within: cells that the target is cut with, such as those that the next step can start from.
 
     Raises:
         InputError: the grid does not fit into memory.
@@ -118,6 +121,8 @@ def synthesize(transition: Transition, settings: Settings, *, all_masks: bool = 
     omegas = settings.omegas.values_radps
     second_omegas = tuple(w * transition.second_omega_scale for w in omegas)
     target = target_cells(transition, settings, cells)
+    if within is not None:
+        target &= within
     everywhere = np.ones(cells.shape, np.bool_)
     second = _half_step(cells, transition.step_length_m, second_omegas, target, everywhere, settings, all_masks)
     foot, tube = transition.first_foot_m, settings.guard

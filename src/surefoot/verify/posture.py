@@ -37,6 +37,8 @@ def _check_start(scene: Scene, claims: Claims, step: Step, ledger: Ledger) -> No
     off = scene.frame.to_grid(waypoint[:2]) - np.array(fine_center_m(scene, claims.start, claims.fine))
     if float(np.abs(off).max()) > TOLERANCE:
         ledger.refuse(rule, "the first waypoint is not the centre of the fine cell of the start", where)
+    if step.sign_alternates:
+        ledger.refuse(rule, "sign_alternates: a foot on its waypoint has no side to change", where)
     yaw_rad = math.pi / 2 * (1 - claims.heading) + scene.frame.rotation_rad
     toward_other = -_side(step) * claims.walking["dy2_m"] * _left(yaw_rad)
     own = {

@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 _EPS = 1e-9
 _MOST_CORNERS = 600
 _NEAREST = 12
+_ROUNDING = 2e-6
 
 
 def convex_pieces(polygon: Any, smallest: float = 0.0) -> list[Floats]:
@@ -183,7 +184,12 @@ def merged_triangles(polygon: Any) -> list[Any]:
     triangles = [part for part in shapely.get_parts(shapely.constrained_delaunay_triangles(polygon)) if part.area > 0]
     points = shapely.get_coordinates(shapely.orient_polygons(np.array(triangles, object))).reshape(-1, 4, 2)[:, :3]
     corners, number = np.unique(points.reshape(-1, 2), axis=0, return_inverse=True)
-    return _HalfEdges(corners.tolist(), number.ravel().tolist()).faces()
+    faces = _HalfEdges(corners.tolist(), number.ravel().tolist()).faces()
+    hulls = shapely.convex_hull(np.array(faces, object))
+    areas = shapely.area(np.array(faces, object))
+    if (shapely.area(hulls) - areas > _bend(areas)).any():  # slivers have bent a face
+        return _joined(triangles)
+    return faces
 
 
 class _HalfEdges:
@@ -221,7 +227,8 @@ class _HalfEdges:
         """Return whether the corner where an edge starts stays convex without it."""
         (px, py), (x, y) = self.corners[self.start[self.before[edge]]], self.corners[self.start[edge]]
         qx, qy = self.corners[self.start[self.after[self.after[twin]]]]
-        return (x - px) * (qy - y) - (y - py) * (qx - x) >= -1e-12
+        turn = (x - px) * (qy - y) - (y - py) * (qx - x)
+        return turn >= -1e-7 * math.hypot(x - px, y - py) * math.hypot(qx - x, qy - y)
 
     def _remove(self, edge: int, twin: int) -> None:
         for one, other in ((edge, twin), (twin, edge)):
@@ -230,8 +237,13 @@ class _HalfEdges:
         self.there[edge] = self.there[twin] = False
 
 
+def _bend(area: Any) -> Any:
+    """Return the area by which a hull may exceed what counts as convex: rounding, never a hole."""
+    return np.minimum(1e-5 * area, _ROUNDING)
+
+
 def _is_convex(face: Any) -> bool:
-    return not face.interiors and bool(shapely.convex_hull(face).area - face.area <= 1e-5 * face.area)
+    return not face.interiors and bool(shapely.convex_hull(face).area - face.area <= _bend(face.area))
 
 
 def _joined(faces: list[Any]) -> list[Any]:
@@ -246,7 +258,7 @@ def _joined(faces: list[Any]) -> list[Any]:
         if not len(first):
             return faces
         hulls = shapely.convex_hull(shapely.geometrycollections(np.column_stack((shapes[first], shapes[second]))))
-        gain = np.flatnonzero(shapely.area(hulls) - sums <= 1e-5 * sums)
+        gain = np.flatnonzero(shapely.area(hulls) - sums <= _bend(sums))
         if not len(gain):
             return faces
         taken: set[int] = set()
