@@ -6,6 +6,7 @@ import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,9 +39,9 @@ class Grid:
         evaluator, size = Evaluator(spec), len(states)
 
         def matrix(lines: Sequence[Conjunct]) -> Matrix:
-            result = np.ones((size, size), dtype=np.bool_)
+            result: Matrix = np.ones((size, size), dtype=np.bool_)
             for line in lines:
-                result &= np.broadcast_to(evaluator(line.expression, now, then), (size, size))
+                result = result & np.broadcast_to(evaluator(line.expression, now, then), (size, size))
             return result
 
         _, column = np.unique(states[:, : len(spec.inputs)], axis=0, return_inverse=True)
@@ -124,7 +125,7 @@ def random_game(source: random.Random) -> Specification:
             Conjunct(name.upper(), _formula(source, now, then, depth), f"rule {k}", k + 1) for k in range(number)
         )
 
-    sections: dict[str, tuple[Conjunct, ...]] = {}
+    sections: dict[str, Any] = {}
     lines("env_init", count(0, 1), inputs, ())
     lines("sys_init", count(0, 1), everything, ())
     lines("env_trans", count(0, 2), everything, inputs)

@@ -73,3 +73,20 @@ def test_bad_input_is_one_sentence(more: list[str], complaint: str, capsys: Capt
 def test_the_reading_has_no_default(capsys: Capture) -> None:
     assert main(GOLDEN[:6]) == 2
     assert "--disturbance" in capsys.readouterr().err
+
+
+def test_table_1_says_its_reading(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    from surefoot.reach import benchmarks
+
+    whole = benchmarks.table
+    monkeypatch.setattr(benchmarks, "table", lambda say: whole(say, runs=300))
+    code = main(["bench", "table1", "--json"])
+    found = json.loads(capsys.readouterr().out)
+    assert code == (0 if found["met"] else 1)
+    assert "2 m/s and 5 m/s^2" in found["reading"]
+    assert len(found["table"]) == len(found["barrier"]) == len(found["random_instant"]) == 6
+    assert found["barrier_mean_percent"] > found["table_mean_percent"] > 85
+    main(["bench", "table1"])
+    shown = capsys.readouterr().out
+    assert "0.2-0.45" in shown
+    assert "92.0" in shown

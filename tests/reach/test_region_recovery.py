@@ -15,12 +15,14 @@ from surefoot.errors import InputError, LimitExceeded, UnsafeStepError
 from surefoot.reach import (
     Controller,
     Disturbance,
+    GridSpec,
     Law,
     Reading,
     Settings,
     Transition,
     capture_foot,
     capture_step,
+    composed_library,
     first_foot_after_turn,
     region_library,
     robust_keyframe_policy,
@@ -31,6 +33,7 @@ from surefoot.reach.capture import FootMove
 from surefoot.reach.ensembles import push_map
 from surefoot.reach.library import LibraryStep, action_follows, action_steps
 from surefoot.reach.policy import SlopedPendulum
+from surefoot.reach.simulation import Ending
 from surefoot.reach.winning_sets import KeyframeStep, initial_winning_set
 from surefoot.robots import biped
 from surefoot.walking import step_library, walking_parameters
@@ -140,13 +143,38 @@ def test_gaps_are_true(steps: tuple[LibraryStep, ...]) -> None:
         x = before.cells.x0_m + i * before.cells.x_step_m - before.transition.step_length_m
         v = before.cells.v0_mps + j * before.cells.v_step_mps
         held = [after.contains(float(a * turn), float(b * turn)) for a, b in zip(x, v, strict=True)]
-        assert np.mean(held) <= 1 - gap.missing + 0.5
-        assert not all(held) or gap.missing < 0.3
+        # A cell whose centre is lost is lost; one at the edge of the region may be lost with its centre inside.
+        assert 1 - np.mean(held) <= gap.missing + 1e-9 <= 1 - np.mean(held) + 0.15
 
 
 def test_equal_steps_with_a_wide_region_compose() -> None:
     step = LibraryStep("long", Transition(0.52, (0.45, 0.6)))
     assert region_library([step], RATE).gaps() == ()
+
+
+def test_composed_regions_carry_any_sequence_of_steps(steps: tuple[LibraryStep, ...]) -> None:
+    fine = Settings(Disturbance(Reading.RATE), grid=GridSpec(0.001, 0.002))
+    library = composed_library(steps, fine, follows=action_follows)
+    assert library.empty == {}
+    controllers = {step.name: library.controller(step.name) for step in steps}
+    rng = np.random.default_rng(5)
+    x, v, before = 0.0, 0.45, steps[0]
+    turned = 0
+    for number in range(60):
+        actions: dict[tuple[str, int, float], list[LibraryStep]] = {}
+        for step in steps:
+            if action_follows(before, step):
+                actions.setdefault((step.turn, step.number, step.transition.step_length_m), []).append(step)
+        options = list(actions.values())[rng.integers(len(actions))]
+        turn = math.cos(options[0].heading_change_rad)
+        fitting = [step for step in options if controllers[step.name].contains(x * turn, v * turn)]
+        assert fitting, (number, x, v, options[0].name)
+        before = fitting[-1]
+        trace = controllers[before.name].simulate(x * turn, v * turn, seed=number)
+        assert trace.ending is Ending.REACHED
+        turned += before.last
+        x, v = trace.positions_m[-1] - before.transition.step_length_m, trace.velocities_mps[-1]
+    assert turned > 3
 
 
 def test_library_misuse() -> None:

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 from naive_planner import Cheats, read_rows, rewrite, write_document
+from small_scene import Planner
 
-from conftest import Planner
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.verify import Report, verify_path

@@ -179,8 +179,7 @@ def test_disc_may_touch_but_not_meet() -> None:
 
 def scene_of(folder: Path, extra: str) -> Scene:
     from naive_planner import write_map
-
-    from conftest import OBSTACLE, PICTURE, SCENARIO
+    from small_scene import OBSTACLE, PICTURE, SCENARIO
 
     write_map(folder, PICTURE, pixels=10, resolution_m=0.1)
     (folder / "scenario.yaml").write_text(SCENARIO.replace("OBSTACLES", OBSTACLE).replace("EXTRA", extra))

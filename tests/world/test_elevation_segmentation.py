@@ -168,6 +168,13 @@ def test_convex_pieces_are_a_partition(boxes: list[tuple[int, int, int, int]], a
         assert len(pieces) <= corners
 
 
+def test_repeated_points_hide_no_corner() -> None:
+    corner = [(1.0, 1.0), (1.0 + 1e-12, 1.0), (1.0, 1.0 + 1e-13)]
+    shape = shapely.Polygon([(0, 0), (3, 0), (3, 1), *corner, (1, 3), (0, 3)])
+    assert np.isclose(sum(area_of(piece) for piece in convex_pieces(shape)), 5.0)
+    assert len(convex_pieces(shape)) == 2
+
+
 def test_few_pieces() -> None:
     ring = shapely.box(0, 0, 3, 3).difference(shapely.box(1, 1, 2, 2))
     assert len(convex_pieces(ring)) <= 4

@@ -53,6 +53,7 @@ def answer_of(solution: Solution) -> dict[str, Any]:
         "solve_ms": round(solution.solve_ms, 3),
         "solve_cpu_ms": round(solution.solve_cpu_ms, 3),
         "certify_ms": round(solution.certify_ms, 3),
+        "explain_ms": round(solution.explain_ms, 3),
         "nodes": solution.nodes,
         "max_residual": solution.max_residual,
         "residuals": solution.residuals,

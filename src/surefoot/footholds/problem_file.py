@@ -125,7 +125,7 @@ class _Reading:
         if name in quadruped_names():
             return quadruped(name)
         path = self.path.parent / name
-        if "\0" not in name and ("/" in name or "." in name) and path.is_file():
+        if ("/" in name or "." in name) and _is_file(path):
             return read_robot(path)
         self.complain(
             f"there is no robot {name!r}; there are {', '.join(quadruped_names())}, or give the path of a robot file",
@@ -140,7 +140,7 @@ class _Reading:
                 gait = Gait(given.modes, given.switching_times_s)
             elif given in NAMED:
                 gait = NAMED[given]
-            elif "\0" not in given and (self.path.parent / given).is_file():
+            elif _is_file(self.path.parent / given):
                 gait = read_gait(self.path.parent / given)
             else:
                 self.complain(
@@ -196,6 +196,13 @@ class _Reading:
                 self.complain(
                     f"{whose} is out of reach of the base; allowed is {_point(reach)} m about its nominal place", *loc
                 )
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
 
 
 def _point(values: Any) -> str:

@@ -19,8 +19,8 @@ from surefoot.games.relation import OutOfWork
 from surefoot.games.solution import EnvDeadEnd
 from surefoot.games.symbolic import SymbolicGame, SymbolicResult, solve_symbolically
 
-FIRST_SHARE = 400_000  # nodes of intermediate results; some tenths of a second
-_GROWTH = 5
+FIRST_SHARE = 400_000  # new nodes; some tenths of a second
+_GROWTH = 4
 _GRACE_S = 0.5
 _T = TypeVar("_T")
 

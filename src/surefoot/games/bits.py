@@ -12,6 +12,7 @@ from surefoot.logic.syntax import (
     Conjunct,
     Constant,
     Expression,
+    Node,
     Specification,
     children,
     postorder,
@@ -144,7 +145,7 @@ class _Splitter:
                     self._reads[id(node)] = self._node_reads(node)
         return self._reads[id(formula)]
 
-    def _node_reads(self, node: Expression) -> tuple[int, int]:
+    def _node_reads(self, node: Node) -> tuple[int, int]:
         if isinstance(node, Atom):
             bit = 1 << self._numbers[node.name]
             return (0, bit) if node.primed else (bit, 0)

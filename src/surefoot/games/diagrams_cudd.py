@@ -16,7 +16,7 @@ class CuddDiagrams:
 
     def __init__(self, variables: int, node_limit: int | None = None) -> None:
         try:
-            from dd import cudd
+            from dd import cudd  # type: ignore[import-not-found,unused-ignore]
         except ImportError as problem:
             raise BackendMissing("dd", "pip install 'surefoot[cudd]'") from problem
         self._limit = node_limit
@@ -75,7 +75,7 @@ class CuddDiagrams:
 
     def count(self, function: Set, variables: int) -> int:
         """Return how many valuations of so many variables satisfy it."""
-        return round(function.count(nvars=variables))
+        return int(function.count(nvars=variables))
 
     def pick(self, function: Set) -> dict[int, bool] | None:
         """Return a partial valuation that satisfies it whatever the others are; None if there is none."""

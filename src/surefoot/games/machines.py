@@ -113,7 +113,8 @@ class SystemPlayer:
         if not layers or not len(highest := answers(layers[-1])):
             return None
         lowest = bisect_left(layers[:-1], True, key=lambda layer: len(answers(layer)) > 0)
-        return highest[0] if lowest == len(layers) - 1 else answers(lowest)[0]
+        best: Bits = (highest if lowest == len(layers) - 1 else answers(lowest))[0]
+        return best
 
     def _layer_root(self, goal: int, layer: int) -> int:
         if (goal, layer) not in self._into:

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.games.bits import BitGame, bits_of
-from surefoot.logic.syntax import Atom, Expression, children, postorder
+from surefoot.logic.syntax import Atom, Node, children, postorder
 
 _ROUNDS = 60
+_IDLE_ROUNDS = 12
 _WIDEST_EDGE = 12
 
 
@@ -61,7 +62,7 @@ def _edges(game: BitGame) -> list[tuple[int, float]]:
     return [(mask, (1.0 + np.log2(count)) / mask.bit_count()) for mask, count in counts.items() if mask.bit_count() > 1]
 
 
-def _reads(node: Expression, reads: dict[int, int], numbers: dict[str, int]) -> int:
+def _reads(node: Node, reads: dict[int, int], numbers: dict[str, int]) -> int:
     if isinstance(node, Atom):
         return 1 << numbers[node.name]
     mask = 0
@@ -81,6 +82,7 @@ def _force(start: Sequence[int], edges: list[tuple[int, float]]) -> list[int]:
     weight = np.array([value for _, value in edges])[row]
     width = np.bincount(row)
     best, best_span = order, _span(order, edges)
+    idle = 0
     for _ in range(_ROUNDS):
         position = np.empty(len(order))
         position[order] = np.arange(len(order))
@@ -88,10 +90,13 @@ def _force(start: Sequence[int], edges: list[tuple[int, float]]) -> list[int]:
         pull = np.bincount(column, weight, len(order))
         target = np.bincount(column, weight * centre[row], len(order)) / np.where(pull > 0, pull, 1)
         target = np.where(pull > 0, target, position)
-        order = [int(bit) for bit in np.lexsort((position, target))]
+        order, before = [int(bit) for bit in np.lexsort((position, target))], order
         span = _span(order, edges)
+        idle += 1
         if span < best_span:
-            best, best_span = order, span
+            best, best_span, idle = order, span, 0
+        if order == before or idle == _IDLE_ROUNDS:
+            break
     return best
 
 

@@ -18,7 +18,7 @@ from surefoot.games.relation import OutOfWork
 from surefoot.games.symbolic import SymbolicGame, SymbolicResult
 from surefoot.logic.transducer import Transducer
 
-_COUNTING_SHARE = 20 * FIRST_SHARE
+_COUNTING_SHARE = 10 * FIRST_SHARE
 
 
 @dataclass(frozen=True, slots=True, eq=False)

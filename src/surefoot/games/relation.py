@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from surefoot.compute import Deadline
 from surefoot.games.bits import BitGame, Part, bits_of, mask_of
 from surefoot.games.diagrams import Diagrams, Set
-from surefoot.logic.syntax import And, Atom, Constant, Expression, Not, Or, Xor, children, postorder
+from surefoot.logic.syntax import And, Atom, Constant, Expression, Node, Not, Or, Xor, children, postorder
 
 _MERGED_NODES = 20_000
 
@@ -53,6 +53,7 @@ class Encoder:
         self.manager = manager
         self.deadline = deadline
         self.work = 0
+        self._nodes = 0
         self.most_work: int | None = None
         self.place = {bit: place for place, bit in enumerate(order)}
         self._numbers = {name: number for number, name in enumerate(game.bits)}
@@ -68,9 +69,11 @@ class Encoder:
         return 2 * self.place[bit] + 1
 
     def spend(self, result: Set) -> Set:
-        """Count the nodes of a result as work, and give up past the deadline or the most work; return the result."""
+        """Count new nodes as work, and give up past the deadline or the most work; return the result."""
         self.deadline.check("solving the game")
-        self.work += self.manager.size(result)
+        nodes = self.manager.nodes()
+        self.work += max(nodes - self._nodes, 0)
+        self._nodes = nodes
         if self.most_work is not None and self.work > self.most_work:
             raise OutOfWork
         return result
@@ -85,7 +88,7 @@ class Encoder:
                     self.deadline.check("building the relations")
         return self._built[id(formula)]
 
-    def _combine(self, node: Expression) -> Set:
+    def _combine(self, node: Node) -> Set:
         manager = self.manager
         if isinstance(node, Constant):
             return manager.true if node.value else manager.false

@@ -159,5 +159,16 @@ def _with_machine(answer: SynthesisAnswer, solved: Solved, question: _Question) 
         warning = Vacuity("no_strategy", f"no strategy was written out: {limit}")
         answer = replace(answer, warnings=(*answer.warnings, warning))
     else:
-        answer = replace(answer, strategy=machine) if solved.realizable else replace(answer, counter_strategy=machine)
+        if solved.realizable:
+            answer = replace(answer, strategy=machine, warnings=_vacuities(question, machine))
+        else:
+            answer = replace(answer, counter_strategy=machine)
     return replace(answer, strategy_s=time.process_time() - begin_s)
+
+
+def _vacuities(question: _Question, strategy: Transducer | None) -> tuple[Vacuity, ...]:
+    from surefoot.games.vacuity import vacuities
+
+    if strategy is None:
+        return ()
+    return tuple(Vacuity(*found) for found in vacuities(question.spec, strategy, deadline=question.deadline))

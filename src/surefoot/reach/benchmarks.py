@@ -14,7 +14,7 @@ from surefoot.reach.barriers import barrier_region, screen_arrays
 from surefoot.reach.certified import certified_region
 from surefoot.reach.controller import Controller
 from surefoot.reach.ensembles import TABLE_READING, Law, TableCell, table_1
-from surefoot.reach.library import action_steps, region_library
+from surefoot.reach.library import action_follows, action_steps, composed_library, region_library
 from surefoot.reach.parameters import Disturbance, GridSpec, Reading, Settings, Transition
 from surefoot.reach.synthesis import synthesize
 from surefoot.reach.warming import warm_up
@@ -109,6 +109,10 @@ def _library(say: Say) -> Iterator[Measured]:
     steps = action_steps(step_library(walking_parameters(2.70351), digit))
     seconds = median_cpu_s(lambda: region_library(steps, SETTINGS), 1)
     yield Measured(f"library of {len(steps)} transitions, not cached", seconds, "s", 60, True)
+    say("composing it at 1 mm, 2 mm/s")
+    finer = Settings(Disturbance(Reading.RATE), grid=GridSpec(0.001, 0.002))
+    seconds = median_cpu_s(partial(composed_library, steps, finer, follows=action_follows), 1)
+    yield Measured("the same at 1 mm, 2 mm/s, targets cut until every sequence composes", seconds, "s", 60, True)
 
 
 def _table(say: Say) -> Iterator[Measured]:

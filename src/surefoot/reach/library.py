@@ -118,7 +118,7 @@ class RegionLibrary:
             return None
         lost, (low, high) = j[~held], source.cells.v_edges()
         span = (float(low[lost].min()), float(high[lost].max()))
-        return Gap(before.name, after.name, float(lost.mean()), span)
+        return Gap(before.name, after.name, float((~held).mean()), span)
 
 
 def region_library(
@@ -199,7 +199,7 @@ def _kept_target(
         if not follows(before, after):
             continue
         held = _target_held(source, after, regions[after.name], i, j)
-        key = (after.turn, after.number)
+        key = (after.transition.step_length_m, after.transition.first_foot_m, after.turn, after.number)
         actions[key] = actions.get(key, np.zeros(i.size, np.bool_)) | held
     kept = np.zeros_like(source.second.target)
     stays = np.all(list(actions.values()), axis=0) if actions else np.ones(i.size, np.bool_)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from surefoot.errors import InputError
 from surefoot.verify.findings import Ledger
-from surefoot.verify.footholds_file import FootholdFile, read_foothold_plan
+from surefoot.verify.footholds_file import BROKEN, FootholdFile, read_foothold_plan
 from surefoot.verify.footholds_proof import proved_bound
 from surefoot.verify.footholds_reach import left_to_steps
 from surefoot.verify.footholds_rows import cost, jacobians, references, violations
@@ -24,6 +25,13 @@ def check_footholds(path: Path, ledger: Ledger) -> None:
         InputError: the file, or the problem file that it names, cannot be read or has changed.
     """
     plan = read_foothold_plan(path)
+    try:
+        _check(plan, ledger)
+    except BROKEN as problem:
+        raise InputError(f"holds values that cannot be evaluated ({type(problem).__name__})", source=path) from problem
+
+
+def _check(plan: FootholdFile, ledger: Ledger) -> None:
     verdict = plan.answer.get("verdict")
     ledger.counts.update(verdict=verdict, samples=len(plan.contacts), footsteps=len(plan.steps))
     if verdict == "feasible":
@@ -73,7 +81,7 @@ def _check_bound(plan: FootholdFile, ledger: Ledger) -> None:
 def _proved(plan: FootholdFile) -> tuple[float, str]:
     try:
         return proved_bound(plan)
-    except (KeyError, TypeError, ValueError, IndexError, RuntimeError) as problem:
+    except BROKEN as problem:
         return -np.inf, f"cannot be evaluated ({type(problem).__name__}: {str(problem)[:80]})"
 
 

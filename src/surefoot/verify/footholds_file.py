@@ -22,6 +22,9 @@ BODY = (
 )  # fmt: skip
 FEET = ("feet_m", "feet_velocity_mps", "feet_acceleration_mps2", "forces_n")
 MOST_SAMPLES = 2000
+MOST_WINDOWS = 10_000
+BROKEN = (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError, RuntimeError)
+"""What reading values of a file raises when they are not what docs/formats.md says."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,15 +81,17 @@ def read_foothold_plan(path: Path) -> FootholdFile:
     check_kind(fields, "foothold-plan")
     try:
         return _read(path, fields)
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as problem:
+    except BROKEN as problem:
         raise InputError(
             f"is no whole foothold plan ({type(problem).__name__}: {str(problem)[:80]})", source=path
         ) from problem
 
 
 def _read(path: Path, fields: Fields) -> FootholdFile:
-    values = dict(fields.mapping("values").values)
-    answer = dict(fields.mapping("answer").values)
+    values: dict[str, Any] = dict(fields.mapping("values").values)
+    answer: dict[str, Any] = dict(fields.mapping("answer").values)
+    if not 1 <= int(values["options"]["collision_windows"]) <= MOST_WINDOWS:
+        raise ValueError("collision_windows")
     contacts = _contacts(values)
     steps = _steps(contacts)
     arrays: dict[str, Array] = {}

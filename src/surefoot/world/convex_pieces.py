@@ -22,6 +22,7 @@ _EPS = 1e-9
 _MOST_CORNERS = 600
 _NEAREST = 12
 _ROUNDING = 2e-6
+_REPEATED = 1e-7
 
 
 def convex_pieces(polygon: Any, smallest: float = 0.0) -> list[Floats]:
@@ -36,9 +37,9 @@ def convex_pieces(polygon: Any, smallest: float = 0.0) -> list[Floats]:
     """
     if polygon.is_empty or polygon.area <= smallest:
         return []
-    polygon = shapely.orient_polygons(polygon)
+    polygon = shapely.orient_polygons(shapely.remove_repeated_points(polygon, _REPEATED))
     corners = _Corners(polygon)
-    if not len(corners.reflex) and not polygon.interiors:
+    if _is_convex(polygon):
         return [piece for piece in [clean_outline(polygon)] if len(piece) >= 3]
     if len(corners.reflex) > _MOST_CORNERS:
         joined = merged_triangles(polygon)
