@@ -30,5 +30,4 @@ walking:
   safety_distance_m: 0.1
 """
 OBSTACLE = "obstacles: [{start_m: [4.5, 2.5]}]"
-REGIONS = "belief_regions: [{rectangles_m: [[2, 0, 3, 3]]}]"
 Planner = Callable[..., Path]

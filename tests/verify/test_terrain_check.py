@@ -18,6 +18,7 @@ from surefoot.world.synthetic_terrain import stones
 from surefoot.world.terrain_file import write_terrain
 
 Document = dict[str, Any]
+DATA = Path(__file__).parents[3] / "shared" / "data" / "elevation"
 
 
 @pytest.fixture
@@ -121,6 +122,18 @@ def test_files_that_cannot_be_checked(saved: Path) -> None:
     np.save(scan, np.zeros((5, 5)))
     with pytest.raises(InputError, match="another version"):
         verify_path(saved)
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="../shared/data/elevation is absent")
+@pytest.mark.parametrize(("name", "cell_m", "no_data"), [("real_stairs_125cm", 0.04, 0), ("terrain", 0.02, None)])
+def test_recorded_scans_are_segmented_honestly(tmp_path: Path, name: str, cell_m: float, no_data: int | None) -> None:
+    source = DATA / f"{name}.png"
+    elevation = read_elevation(source, resolution_m=cell_m, height_range_m=(0, 1.25), no_data=no_data)
+    options = SegmentOptions()
+    path = tmp_path / "terrain.json"
+    write_terrain(path, segment_terrain(elevation, options), options, source, elevation.reading)
+    report = verify_path(path)
+    assert report.accepted, report.findings
 
 
 def test_planar_regions_are_checked_too(tmp_path: Path) -> None:

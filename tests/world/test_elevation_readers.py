@@ -37,7 +37,9 @@ def test_grey_becomes_height_and_the_top_row_is_the_north(tmp_path: Path) -> Non
 def test_sixteen_bits_and_alpha(tmp_path: Path) -> None:
     deep = picture(tmp_path / "deep.png", np.array([[0, 65535], [32768, 13107]], np.uint16))
     assert np.allclose(
-        read_elevation(deep, resolution_m=0.1, height_range_m=(0, 1)).height_m, np.array([[0, 1], [0.5, 0.2]]), atol=1e-5
+        read_elevation(deep, resolution_m=0.1, height_range_m=(0, 1)).height_m,
+        np.array([[0, 1], [0.5, 0.2]]),
+        atol=1e-5,
     )
     rgba = np.full((2, 2, 4), 255, np.uint8)
     rgba[0, 0] = (200, 10, 30, 0)  # colour under a transparent pixel does not count
