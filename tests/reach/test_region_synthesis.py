@@ -66,9 +66,9 @@ def naive_half(region: Region, half: HalfStep, source: NDArray[np.bool_]) -> tup
 def mask_set(half: HalfStep) -> set[object]:
     return {
         (int(i), int(j), k)
-        for i, j in zip(*np.nonzero(half.masks), strict=True)
+        for i, j in zip(*np.nonzero(half.masks.any(axis=2)), strict=True)
         for k in range(len(half.omegas_radps))
-        if int(half.masks[i, j]) >> k & 1
+        if int(half.masks[i, j, k // 64]) >> (k % 64) & 1
     }
 
 
@@ -231,7 +231,7 @@ def test_a_level_com_changes_the_omegas_of_the_second_half_only() -> None:
         (lambda: Transition(0.4, (0.4, 0.6), 0.5), "first-foot"),
         (lambda: Transition(0.4, (0.4, 0.6), height_change_m=1.0), "height-change"),
         (lambda: OmegaSet(3.5, 2.8, 0.02), "reversed or empty"),
-        (lambda: OmegaSet(2.0, 4.0, 0.01), "at most|more than the 64"),
+        (lambda: OmegaSet(2.0, 4.0, 0.0001), "more than the 1024"),
         (lambda: OmegaSet(2.0, 4.0, 0.0), "above 0"),
         (lambda: Settings(Disturbance(Reading.RATE), tau_s=0.0), "tau"),
         (lambda: Settings(Disturbance(Reading.RATE), tau_s=5.0), "tau"),
@@ -249,3 +249,26 @@ def test_bad_input_is_refused(make: object, complaint: str) -> None:
 def test_a_grid_that_does_not_fit_says_how_large_it_would_be() -> None:
     with pytest.raises(InputError, match=r"need about .* GB"):
         synthesize(GOLDEN, Settings(Disturbance(Reading.RATE), grid=GridSpec(1e-6, 1e-6)))
+
+
+def test_more_than_64_omegas_need_more_words() -> None:
+    few = synthesize(GOLDEN, RATE)
+    many = synthesize(GOLDEN, Settings(Disturbance(Reading.RATE), omegas=OmegaSet(2.8, 3.5, 0.005)))
+    assert many.first.masks.shape[2] == 3
+    assert many.counts["fhws"] >= few.counts["fhws"]
+    own, other = Controller(many), Controller(few)
+    for x, v in ((0.0, 0.5), (0.1, 0.6), (0.18, 0.6)):
+        assert set(other.omegas(x, v)) <= set(own.omegas(x, v))
+        found = own.omega(x, v)
+        assert found is not None
+        assert abs(found - 3.1) == pytest.approx(min(abs(w - 3.1) for w in own.omegas(x, v)))
+    assert own.certify(20_000).holds
+    assert own.simulate(0.0, 0.5, seed=1).succeeded
+    naive = Settings(
+        Disturbance(Reading.RATE), 0.05, GridSpec(0.03, 0.06), OmegaSet(2.5, 3.7, 0.015), target_half_width_m=0.06
+    )
+    region = synthesize(Transition(0.3, (0.2, 0.6)), naive)
+    won, masks = naive_half(region, region.second, np.ones(region.cells.shape, np.bool_))
+    assert len(region.second.omegas_radps) == 81
+    assert np.array_equal(region.second.won, won)
+    assert mask_set(region.second) == masks

@@ -13,7 +13,7 @@ import pytest
 
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
-from surefoot.reach import Disturbance, GridSpec, Reading, Settings, Transition, save_region, synthesize
+from surefoot.reach import Disturbance, GridSpec, OmegaSet, Reading, Settings, Transition, save_region, synthesize
 from surefoot.verify.report import verify_path
 
 Arrays = dict[str, Any]
@@ -56,11 +56,23 @@ def test_sound_regions_are_accepted(reading: Reading, tmp_path: Path) -> None:
         assert int(str(report.counts["adversary_steps"])) >= 100_000
 
 
+def test_masks_of_two_words(tmp_path: Path) -> None:
+    asked = Settings(Disturbance(Reading.RATE), omegas=OmegaSet(2.0, 4.0, 0.02))
+    path = save_region(synthesize(Transition(0.416, (0.4, 0.6)), asked), tmp_path / "step")[0]
+    assert verify_path(path).accepted
+
+    def unknown(arrays: Arrays, _: Document) -> None:
+        arrays["first_masks"][..., 1] |= np.where(arrays["first_masks"][..., 1] != 0, np.uint64(2**50), np.uint64(0))
+
+    forge(path, unknown)
+    assert not verify_path(path).accepted
+
+
 def grown(arrays: Arrays, _: Document) -> None:
     """Let the cells above and below the first half's region win too, with an omega of a neighbour."""
     for shift in (1, -1):
         more = np.roll(arrays["first_won"], shift, axis=1) & ~arrays["first_won"]
-        arrays["first_masks"] = np.where(more, np.uint64(1) << np.uint64(20), arrays["first_masks"])
+        arrays["first_masks"] = np.where(more[..., None], np.uint64(1) << np.uint64(20), arrays["first_masks"])
         arrays["first_won"] = arrays["first_won"] | more
 
 
@@ -83,7 +95,7 @@ def unknown_omega(arrays: Arrays, _: Document) -> None:
 
 
 def mute_cell(arrays: Arrays, _: Document) -> None:
-    i, j = (int(n[0]) for n in np.nonzero(arrays["first_masks"]))
+    i, j = (int(n[0]) for n in np.nonzero(arrays["first_masks"].any(axis=2)))
     arrays["first_masks"][i, j] = 0
 
 

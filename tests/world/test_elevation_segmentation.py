@@ -114,6 +114,13 @@ def test_bars_are_reported_or_kept_on_wish() -> None:
     assert np.allclose(np.abs(strip.vertices_m[:, 0] - 0.505), 0.005)
 
 
+def test_a_bar_at_the_border_of_the_scan_is_seen() -> None:
+    heights = flat(100, 100) - 0.2
+    heights[:, :3] = 0.0
+    (bar,) = segment_terrain(elevation_map(heights, 0.01)).narrow
+    assert bar.length_m == pytest.approx(1.0)
+
+
 def test_what_is_too_steep_or_too_rough_is_no_ground() -> None:
     columns = np.indices((60, 60))[1]
     steep = segment_terrain(elevation_map(columns * 0.02 * np.tan(np.radians(40)), 0.02))

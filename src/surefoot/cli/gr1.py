@@ -63,27 +63,19 @@ def solve(
     node_limit: int | None,
     realizability_only: bool = False,
 ) -> SynthesisAnswer:
-    """Solve a specification as the options say, and warn when a strategy wins for the wrong reason."""
-    from dataclasses import replace
-
+    """Solve a specification as the options say."""
     from surefoot.compute import Deadline
-    from surefoot.games import Vacuity, synthesize
-    from surefoot.games.vacuity import vacuities
+    from surefoot.games import synthesize
 
-    deadline = Deadline.after(time_limit)
-    solved = synthesize(
+    return synthesize(
         specification,
         semantics=semantics.value,
         engine=engine.value,
         env_dead_end=env_dead_end.value,
-        deadline=deadline,
+        deadline=Deadline.after(time_limit),
         node_limit=node_limit,
         realizability_only=realizability_only,
     )
-    if solved.strategy is None or solved.warnings:
-        return solved
-    found = vacuities(specification, solved.strategy, deadline=deadline)
-    return replace(solved, warnings=tuple(Vacuity(*parts) for parts in found))
 
 
 def conjunct_object(conjunct: Conjunct) -> dict[str, object]:

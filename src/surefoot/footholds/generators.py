@@ -65,6 +65,15 @@ def step_down(seed: int) -> Problem:
     return _step(seed, up=False)
 
 
+def far(seed: int) -> Problem:
+    """Stones, sparse stones or bars with the goal near the end of reach: about half of them are infeasible."""
+    kind = (stones_8, stones_12, sparse, misaligned, rebar, rebar_rotated)[seed % 6]
+    rng = np.random.default_rng([seed, 7])
+    least, most = (0.6, 0.72) if kind in (rebar, rebar_rotated) else (0.9, 1.06)
+    problem = kind(seed)
+    return replace(problem, goal_m=np.array([rng.uniform(least, most), *problem.goal_m[1:]]))
+
+
 def _problem(
     polygons: list[Polygon], *, feet: Array | None = None, goal_m: Array | None = None, start_z: float = _HEIGHT_M
 ) -> Problem:
@@ -141,6 +150,7 @@ FAMILIES: dict[str, Callable[[int], Problem]] = {
     "misaligned": misaligned,
     "rebar": rebar,
     "rebar-rotated": rebar_rotated,
+    "far": far,
     "step-up": step_up,
     "step-down": step_down,
 }

@@ -38,11 +38,13 @@ class Node:
         rows: its rows.
         answer: what became of it.
         feet: positions of the feet, shape (N, 4, 3).
+        motion: which unknowns are which; None for a program that is no motion.
     """
 
     rows: Rows
     answer: QpAnswer
     feet: Array
+    motion: Motion | None = None
 
 
 class ReducedProgram:
@@ -114,10 +116,10 @@ class ReducedProgram:
         rows = self.rows(choice)
         broken = broken_constant(rows, self.certain)
         if broken is not None:
-            return Node(rows, broken, self.motion.feet.at(broken.unknowns))
+            return Node(rows, broken, self.motion.feet.at(broken.unknowns), self.motion)
         rows = rows.pick(np.diff(rows.matrix.indptr) > 0)
         answer = solve_qp(self.cost, rows, certain=self.certain)
-        return Node(rows, answer, self.motion.feet.at(answer.unknowns))
+        return Node(rows, answer, self.motion.feet.at(answer.unknowns), self.motion)
 
 
 class WholeProgram:
@@ -145,7 +147,7 @@ class WholeProgram:
         if np.isfinite(answer.value):
             bound = self.exact.bound(rows.pick(~kept), answer.multipliers[~kept])
             answer = replace(answer, bound=bound)
-        return Node(rows, answer, self.motion.feet.at(answer.unknowns))
+        return Node(rows, answer, self.motion.feet.at(answer.unknowns), self.motion)
 
 
 Program = ReducedProgram | WholeProgram

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.footholds.model import Choice
-from surefoot.footholds.nodes import Program
+from surefoot.footholds.model import Choice, Motion
 from surefoot.footholds.orientation import Turning
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.rows import FAMILIES, Array, Rows
@@ -40,7 +39,7 @@ class Proof:
     turning: list[list[float]]
 
 
-def proof_of(problem: Problem, program: Program, outcome: Outcome, turned: Turning | None) -> Proof:
+def proof_of(problem: Problem, outcome: Outcome, turned: Turning | None) -> Proof:
     """Return the proof that a search leaves behind."""
     tree: list[dict[str, Any]] = []
     kept: list[dict[str, list[list[float]]]] = []
@@ -48,11 +47,11 @@ def proof_of(problem: Problem, program: Program, outcome: Outcome, turned: Turni
 
     def prove(branch: Branch) -> int:
         source = branch.proof
-        if source is None or source.node is None:
+        if source is None or source.node is None or source.node.motion is None:
             return -1
         if id(source) not in numbers:
             numbers[id(source)] = len(kept)
-            kept.append(multipliers_of(problem, program, source.node.rows, source.node.answer.multipliers))
+            kept.append(multipliers_of(problem, source.node.motion, source.node.rows, source.node.answer.multipliers))
         return numbers[id(source)]
 
     pending = [(outcome.root, 0)]
@@ -73,7 +72,7 @@ def proof_of(problem: Problem, program: Program, outcome: Outcome, turned: Turni
     return Proof(outcome.root.choice, tree, kept, turns)
 
 
-def multipliers_of(problem: Problem, program: Program, rows: Rows, multipliers: Array) -> dict[str, list[list[float]]]:
+def multipliers_of(problem: Problem, motion: Motion, rows: Rows, multipliers: Array) -> dict[str, list[list[float]]]:
     """Return the multipliers of one solved program, by family."""
     least = max(_DROP, _DROP_RELATIVE * float(np.abs(multipliers).max(initial=0.0)))
     found: dict[str, list[list[float]]] = {}
@@ -83,16 +82,15 @@ def multipliers_of(problem: Problem, program: Program, rows: Rows, multipliers: 
             found[name] = [[*(int(x) for x in rows.where[k]), _short(multipliers[k])] for k in chosen]
     pushed = _pushed(rows, multipliers, "region")
     regions = [
-        [number, *pushed[program.motion.feet.index[step.touch, step.foot]]]
-        for number, step in enumerate(problem.footsteps)
+        [number, *pushed[motion.feet.index[step.touch, step.foot]]] for number, step in enumerate(problem.footsteps)
     ]
     found["region"] = [[row[0], *map(_short, row[1:])] for row in regions if any(row[1:])]
-    if program.motion.force is not None:
+    if motion.force is not None:
         pushed = _pushed(rows, multipliers, "friction")
         found["friction"] = [
-            [int(i), int(j), *map(_short, pushed[program.motion.force.index[i, j]])]
+            [int(i), int(j), *map(_short, pushed[motion.force.index[i, j]])]
             for i, j in np.argwhere(problem.contacts)
-            if float(np.abs(pushed[program.motion.force.index[i, j]]).max()) > least
+            if float(np.abs(pushed[motion.force.index[i, j]]).max()) > least
         ]
     return found
 

@@ -64,6 +64,7 @@ class Outcome:
         nodes: how many programs were solved.
         complete: False when a limit stopped the search.
         slack: False when the plan would need forces that the program does not know (see ``accept``).
+        pressing: the choice of that plan.
         unproved: how many leaves the solver called infeasible without a ray that proves it.
     """
 
@@ -75,6 +76,7 @@ class Outcome:
     nodes: int = 0
     complete: bool = True
     slack: bool = True
+    pressing: Choice | None = None
     unproved: int = 0
 
 
@@ -90,6 +92,7 @@ def search(
     stop: Callable[[], bool],
     accept: Accept = lambda _c, _n: True,
     guesses: tuple[Choice, ...] = (),
+    before: Branch | None = None,
 ) -> Outcome:
     """Find the best choice, to a relative gap.
 
@@ -101,8 +104,12 @@ def search(
         stop: asked before every node; True ends the search with what there is.
         accept: asked about every plan; when it says no the search ends with ``slack`` False.
         guesses: decided choices to try first (warm start).
+        before: the root of a search with a relaxation of the program, whose bound holds here too.
     """
-    return _Search(problem, program, root, gap, stop, accept).run(guesses)
+    started = _Search(problem, program, root, gap, stop, accept)
+    if before is not None and before.proof is before:
+        started.outcome.root.bound, started.outcome.root.proof = before.bound, before
+    return started.run(guesses)
 
 
 class _Search:
@@ -120,7 +127,7 @@ class _Search:
         outcome = self.outcome
         for guess in guesses:
             self.round(guess)
-        heap: list[tuple[float, int, Branch]] = [(-np.inf, 0, outcome.root)]
+        heap: list[tuple[float, int, Branch]] = [(outcome.root.bound, 0, outcome.root)]
         count = 1
         while heap:
             if heap[0][0] >= outcome.value * (1 - self.gap):
@@ -175,7 +182,7 @@ class _Search:
 
     def take(self, choice: Choice, node: Node) -> None:
         if not self.accept(choice, node):
-            self.outcome.slack = False
+            self.outcome.slack, self.outcome.pressing = False, choice
             return
         self.outcome.best, self.outcome.node, self.outcome.value = choice, node, node.answer.value
 

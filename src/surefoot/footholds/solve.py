@@ -17,7 +17,7 @@ from surefoot.footholds.plan import Plan, objective, plan_of, residuals, shared_
 from surefoot.footholds.problem import Problem, impossible_cost
 from surefoot.footholds.proof import Proof, proof_of
 from surefoot.footholds.pruning import reachable
-from surefoot.footholds.search import Accept, Outcome, search
+from surefoot.footholds.search import Accept, Branch, Outcome, search
 from surefoot.footholds.solvers import HighsSolver
 
 RESIDUAL_MAX = 1e-6
@@ -117,7 +117,7 @@ class _Solving:
         if not outcome.complete:
             return self.unknown()
         if outcome.bound >= impossible_cost(problem):
-            return self.refuted("Farkas rays", proof_of(problem, program, outcome, turned), certify, why)
+            return self.refuted("Farkas rays", proof_of(problem, outcome, turned), certify, why)
         return self.refuted("", None, certify, why)
 
     def stop(self) -> bool:
@@ -143,20 +143,32 @@ class _Solving:
             "forces are kept as unknowns: shared equally, they leave a friction pyramid or a torque limit"
         )
         program = ReducedProgram(self.problem, forces=True)
-        return program, self.search(program, root)
+        tried = () if outcome.pressing is None else (outcome.pressing,)
+        return program, self.search(program, root, guesses=(*tried, *self.guesses), before=outcome.root)
 
-    def search(self, program: Program, root: Choice, accept: Accept = lambda _choice, _node: True) -> Outcome:
+    def search(
+        self,
+        program: Program,
+        root: Choice,
+        *,
+        accept: Accept = lambda _choice, _node: True,
+        guesses: tuple[Choice, ...] | None = None,
+        before: Branch | None = None,
+    ) -> Outcome:
+        guesses = self.guesses if guesses is None else guesses
         gap = self.problem.options.gap
-        return search(self.problem, program, root, gap=gap, stop=self.stop, accept=accept, guesses=self.guesses)
+        return search(
+            self.problem, program, root, gap=gap, stop=self.stop, accept=accept, guesses=guesses, before=before
+        )
 
     def feasible(self, program: Program, outcome: Outcome, turned: Turning | None) -> Solution:
         problem = self.problem
         assert outcome.best is not None
         assert outcome.node is not None
         plan = plan_of(problem, program, outcome.best, outcome.node, turned)
+        solve_ms = self.elapsed_ms()
         value = objective(problem, plan)
         bound = min(outcome.bound + (turned.bound if turned is not None else 0.0), value)
-        solve_ms = self.elapsed_ms()
         worst = residuals(problem, plan)
         kept = max(worst.values()) <= RESIDUAL_MAX
         return Solution(
@@ -177,7 +189,7 @@ class _Solving:
             limit=self.limit,
             notes=tuple(self.notes),
             plan=plan,
-            proof=proof_of(problem, program, outcome, turned),
+            proof=proof_of(problem, outcome, turned),
         )
 
     def refuted(self, first: str, proof: Proof | None, certify: bool, why: bool) -> Solution:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 Semantics = Literal["slugs", "robotics"]
 EngineName = Literal["auto", "explicit", "symbolic"]
+STRATEGY_LIMIT_S = 30.0
+"""How long a strategy may take to write out, once the verdict is known; some are too large to be listed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +156,8 @@ def _solve(question: _Question, engine: EngineName, realizability_only: bool) ->
 def _with_machine(answer: SynthesisAnswer, solved: Solved, question: _Question) -> SynthesisAnswer:
     begin_s = time.process_time()
     try:
-        machine = solved.machine(robotics=question.robotics, deadline=question.deadline)
+        soon = Deadline.after(STRATEGY_LIMIT_S)
+        machine = solved.machine(robotics=question.robotics, deadline=min(question.deadline, soon, key=_end_s))
     except LimitExceeded as limit:
         warning = Vacuity("no_strategy", f"no strategy was written out: {limit}")
         answer = replace(answer, warnings=(*answer.warnings, warning))
@@ -164,6 +167,10 @@ def _with_machine(answer: SynthesisAnswer, solved: Solved, question: _Question) 
         else:
             answer = replace(answer, counter_strategy=machine)
     return replace(answer, strategy_s=time.process_time() - begin_s)
+
+
+def _end_s(deadline: Deadline) -> float:
+    return deadline.end_s
 
 
 def _vacuities(question: _Question, strategy: Transducer | None) -> tuple[Vacuity, ...]:

@@ -38,10 +38,13 @@ class Images(NamedTuple):
 def sweep(
     target: NDArray[np.bool_], source: NDArray[np.bool_], images: Images, first_only: bool
 ) -> tuple[NDArray[np.bool_], NDArray[np.uint64]]:
-    """Return the winning cells and, per cell, a bit for every omega that wins there (one bit with ``first_only``)."""
+    """Return the winning cells and, per cell, a bit for every omega that wins there (one bit with ``first_only``).
+
+    Bit k stands in word k // 64.
+    """
     columns, rows = target.shape
     won = target.copy()
-    bits = np.zeros((columns, rows), np.uint64)
+    bits = np.zeros((columns, rows, (images.x.size + 63) // 64), np.uint64)
     run = np.empty((columns, rows), np.int32)
     low = np.full(columns, rows, np.int32)
     high = np.full(columns, -1, np.int32)
@@ -132,9 +135,9 @@ def _column(
         x, v = images.x[k] + images.xi[k] * i, images.v[k] + images.vi[k] * i
         xj, xr, vj, vr = images.xj[k], images.xr[k], images.vj[k], images.vr[k]
         begin, end = _row_range(x, xj, xr, v, vj, vr, low, high, columns, rows)
-        bit = np.uint64(1) << np.uint64(k)
+        word, bit = k >> 6, np.uint64(1) << np.uint64(k & 63)
         for j in range(begin, min(end, limit)):
-            if (bits[i, j] & bit) != 0 or not source[i, j] or target[i, j] or (first_only and won[i, j]):
+            if (bits[i, j, word] & bit) != 0 or not source[i, j] or target[i, j] or (first_only and won[i, j]):
                 continue
             il, ih = int(np.floor(x + xj * j - xr)), int(np.floor(x + xj * j + xr))
             jl, jh = int(np.floor(v + vj * j - vr)), int(np.floor(v + vj * j + vr))
@@ -146,7 +149,7 @@ def _column(
                     wins = False
                     break
             if wins:
-                bits[i, j] |= bit
+                bits[i, j, word] |= bit
                 won[i, j] = True
                 changed = True
     return changed

@@ -60,7 +60,7 @@ def advance(x: float, v: float, foot: float, w: float, d1: float, d2: float, t: 
 def cell_of(tables: Tables, x: float, v: float) -> tuple[int, int]:
     """Return the cell of a state, or (-1, -1) off the grid."""
     i, j = (x - tables.x_low) / tables.x_step, (v - tables.v_low) / tables.v_step
-    _, columns, rows = tables.masks.shape
+    _, columns, rows, _ = tables.masks.shape
     if 0.0 <= i < columns and 0.0 <= j < rows:
         return int(i), int(j)
     return -1, -1
@@ -72,9 +72,9 @@ def table_omega(tables: Tables, half: int, x: float, v: float, wish: float) -> f
     i, j = cell_of(tables, x, v)
     if i < 0:
         return math.nan
-    mask, best = tables.masks[half, i, j], math.nan
+    best = math.nan
     for k in range(tables.omegas.shape[1]):
-        if (mask >> np.uint64(k)) & np.uint64(1):
+        if (tables.masks[half, i, j, k >> 6] >> np.uint64(k & 63)) & np.uint64(1):
             w = tables.omegas[half, k]
             if math.isnan(best) or abs(w - wish) < abs(best - wish):
                 best = w

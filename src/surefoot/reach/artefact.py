@@ -67,8 +67,8 @@ def load_region(path: Path) -> Region:
         raise InputError(problem.message, source=document_path, key=problem.key) from problem
     except (KeyError, TypeError, ValueError) as problem:
         raise InputError("lacks a key of a step region, or holds a wrong value", source=document_path) from problem
-    cells = lattice(settings.grid, transition.step_length_m)
-    arrays = _read_arrays(arrays_path, file_hash, cells)
+    cells = lattice(settings.grid, transition.step_length_m, settings.omegas.words)
+    arrays = _read_arrays(arrays_path, file_hash, cells, settings.omegas.words)
     omegas = settings.omegas.values_radps
     second = tuple(w * transition.second_omega_scale for w in omegas)
     halves = [
@@ -146,7 +146,7 @@ def _read_document(path: Path) -> dict[str, Any]:
     return document
 
 
-def _read_arrays(path: Path, expected_sha256: str, cells: Lattice) -> dict[str, Any]:
+def _read_arrays(path: Path, expected_sha256: str, cells: Lattice, words: int) -> dict[str, Any]:
     try:
         found_sha256 = sha256_of(path)
         with zipfile.ZipFile(path) as archive:
@@ -159,8 +159,8 @@ def _read_arrays(path: Path, expected_sha256: str, cells: Lattice) -> dict[str, 
         raise InputError("is not a whole npz file of plain arrays", source=path) from problem
     if found_sha256 != expected_sha256:
         raise InputError("does not hash to what the JSON file beside it says", source=path)
-    for names, kind in ((_BITS, "bool"), (_MASKS, "uint64")):
+    for names, kind, shape in ((_BITS, "bool", cells.shape), (_MASKS, "uint64", (*cells.shape, words))):
         for name in names:
-            if name not in arrays or arrays[name].dtype != np.dtype(kind) or arrays[name].shape != cells.shape:
-                raise InputError(f"has to be {cells.columns} x {cells.rows} of {kind}", source=path, key=name)
+            if name not in arrays or arrays[name].dtype != np.dtype(kind) or arrays[name].shape != shape:
+                raise InputError(f"has to be an array of {shape} of {kind}", source=path, key=name)
     return arrays

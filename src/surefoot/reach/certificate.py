@@ -46,12 +46,13 @@ def certify(region: Region, steps: int = 100_000, seed: int = 0) -> Certificate:
 
 
 def _half(region: Region, half: HalfStep, name: str, pairs: int, rng: np.random.Generator) -> Certificate:
-    i, j = np.nonzero(half.masks)
+    i, j = np.nonzero(half.masks.any(axis=2))
     if i.size == 0:
         return Certificate(0, 0)
     chosen = rng.integers(0, i.size, pairs)
     i, j = i[chosen], j[chosen]
-    bits = (half.masks[i, j, None] >> np.arange(len(half.omegas_radps), dtype=np.uint64)) & np.uint64(1)
+    bits = (half.masks[i, j, :, None] >> np.arange(64, dtype=np.uint64)) & np.uint64(1)
+    bits = bits.reshape(pairs, -1)[:, : len(half.omegas_radps)]
     k = np.argmax(bits * rng.random(bits.shape), axis=1)
     w = np.array(half.omegas_radps)[k]
     left, right = region.cells.x_edges()

@@ -18,8 +18,8 @@ from surefoot.errors import InputError
 from surefoot.reach.parameters import GridSpec, exact
 
 SLACK = 1e-12
-BYTES_PER_CELL = 2 * (8 + 1 + 1 + 1) + 8
-"""Masks, winning, target and source cells of both halves, and the kernel's run lengths."""
+BYTES_PER_CELL = 2 * (1 + 1 + 1) + 8
+"""Winning, target and source cells of both halves, and the kernel's run lengths; a word of both masks is 16 more."""
 
 Cells = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -72,8 +72,13 @@ class Lattice:
         return _strictly_within(exact(self.v0_mps), exact(self.v_step_mps), self.rows, low, high)
 
 
-def lattice(spec: GridSpec, step_length_m: float) -> Lattice:
+def lattice(spec: GridSpec, step_length_m: float, words: int = 1) -> Lattice:
     """Return the grid of a step.
+
+    Args:
+        spec: of the cells.
+        step_length_m: from apex to apex.
+        words: of a mask, for the estimate of the memory.
 
     Raises:
         InputError: its arrays would not fit into memory; the message says the estimate.
@@ -81,7 +86,7 @@ def lattice(spec: GridSpec, step_length_m: float) -> Lattice:
     length = exact(step_length_m) + exact(spec.beyond_m) + exact(spec.behind_m)
     columns = math.floor(length / exact(spec.x_step_m)) + 1
     rows = math.floor((exact(spec.fastest_mps) - exact(spec.slowest_mps)) / exact(spec.v_step_mps)) + 1
-    needed, there = columns * rows * BYTES_PER_CELL, available_bytes()
+    needed, there = columns * rows * (BYTES_PER_CELL + 16 * words), available_bytes()
     if needed > there:
         raise InputError(
             f"{columns} x {rows} cells need about {needed / 1e9:.3g} GB, and {there / 1e9:.3g} GB may be used; "

@@ -14,8 +14,8 @@ from fractions import Fraction
 
 from surefoot.errors import InputError
 
-LARGEST_INPUTS = 64
-"""How many omegas fit a bit mask."""
+LARGEST_INPUTS = 1024
+"""How many omegas there may be; masks have a word for every 64."""
 
 
 def exact(value: float) -> Fraction:
@@ -91,12 +91,17 @@ class OmegaSet:
             )
         if self._count() > LARGEST_INPUTS:
             raise InputError(
-                f"{self._count()} omegas are more than the {LARGEST_INPUTS} that a mask holds; take a larger step",
+                f"{self._count()} omegas are more than the {LARGEST_INPUTS} that are allowed; take a larger step",
                 key="omega",
             )
 
     def _count(self) -> int:
         return int((exact(self.high_radps) - exact(self.low_radps)) / exact(self.step_radps)) + 1
+
+    @property
+    def words(self) -> int:
+        """How many words of 64 bits a mask has."""
+        return (self._count() + 63) // 64
 
     @property
     def values_radps(self) -> tuple[float, ...]:

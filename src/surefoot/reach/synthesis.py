@@ -26,10 +26,11 @@ class HalfStep:
 
     Attributes:
         foot_m: the stance foot.
-        omegas_radps: what may be held; bit k of a mask stands for the k-th.
+        omegas_radps: what may be held.
         target: cells that the half step has to reach.
         won: its controllable region, the target included.
-        masks: per cell the omegas after which the state surely stays in ``won``; none in the target.
+        masks: per cell the omegas after which the state surely stays in ``won``, bit k % 64 of word k // 64 for the
+            k-th (columns, rows, words); none in the target.
     """
 
     foot_m: float
@@ -117,7 +118,7 @@ def synthesize(
         InputError: the grid does not fit into memory.
     """
     begin = time.perf_counter()
-    cells = lattice(settings.grid, transition.step_length_m)
+    cells = lattice(settings.grid, transition.step_length_m, settings.omegas.words)
     omegas = settings.omegas.values_radps
     second_omegas = tuple(w * transition.second_omega_scale for w in omegas)
     target = target_cells(transition, settings, cells)

@@ -25,9 +25,9 @@ _ZETA_SCALE, _ZETA_OFFSET_M = 1e-5, 2e-4
 WORKSHOP = Settings(
     Disturbance(Reading.RATE),
     grid=GridSpec(0.004, 0.004, behind_m=0.152, beyond_m=0.2, slowest_mps=0.2),
-    omegas=OmegaSet(2.0, 4.0, 0.04),
+    omegas=OmegaSet(2.0, 4.0, 0.02),
 )
-"""Grid and inputs of the workshop paper's examples; every second omega, as a mask holds 64."""
+"""Grid and inputs of the workshop paper's examples."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -83,11 +83,11 @@ def _check_guard(region: RegionFile, ledger: Ledger) -> None:
 def _check_masks(region: RegionFile, half: str, ledger: Ledger) -> None:
     """A cell wins when it is in the target or some omega is allowed, and only omegas that exist are allowed."""
     masks, won, target = (region.arrays[f"{half}_{name}"] for name in ("masks", "won", "target"))
-    bad = won != (target | (masks != 0))
+    bad = won != (target | masks.any(axis=2))
     _refuse_all(bad, f"{half}_won", "wins without an omega, or has an omega and does not win", ledger)
     count = len(region.omegas[0])
-    if count < 64:
-        unknown = masks >> np.uint64(count) != 0
+    if count % 64:
+        unknown = masks[:, :, -1] >> np.uint64(count % 64) != 0
         _refuse_all(unknown, f"{half}_masks", "allows an omega that is not in the set", ledger)
 
 
@@ -95,13 +95,13 @@ def _check_asymptotes(region: RegionFile, ledger: Ledger) -> None:
     """Winning cells of the first half, its guard apart, lie above both asymptotes of the least omega."""
     x0, x1, v0, _ = _edges(region)
     reach = region.omegas[0][0] * np.maximum(abs(x0 - region.first_foot), abs(x1 - region.first_foot))
-    below = (v0[None, :] <= reach[:, None]) & (region.arrays["first_masks"] != 0)
+    below = (v0[None, :] <= reach[:, None]) & region.arrays["first_masks"].any(axis=2)
     _refuse_cells(region, "first_won", below, "reaches below an asymptote of the least omega", ledger)
 
 
 def _attack(region: RegionFile, half: str, steps: int, rng: np.random.Generator, ledger: Ledger) -> int:
     """Take extreme steps from random winning cells; return how many."""
-    i, j = np.nonzero(region.arrays[f"{half}_masks"])
+    i, j = np.nonzero(region.arrays[f"{half}_masks"].any(axis=2))
     if i.size == 0:
         return 0
     chosen = rng.integers(0, i.size, -(-steps // 16))
@@ -184,7 +184,10 @@ def _some_omega(
 ) -> Floats:
     """Return for every cell one of its allowed omegas, at random (any omega where none is allowed)."""
     count = len(region.omegas[0])
-    bits = (region.arrays[f"{half}_masks"][i, j, None] >> np.arange(count, dtype=np.uint64)) & np.uint64(1)
+    words = region.arrays[f"{half}_masks"][i, j]
+    bits = ((words[:, :, None] >> np.arange(64, dtype=np.uint64)) & np.uint64(1)).reshape(i.size, 64 * words.shape[1])[
+        :, :count
+    ]
     omegas = np.array(region.omegas[0 if half == "first" else 1])
     return np.asarray(omegas[np.argmax(bits * rng.uniform(0.5, 1.0, bits.shape), axis=1)])
 

@@ -20,6 +20,7 @@ from surefoot.verify.values import Fields
 
 KIND = "step-region"
 LARGEST_CELLS = 200_000_000
+MOST_OMEGAS = 1024
 READINGS = ("rate", "inside_phi", "jump")
 ARRAYS = {
     "first_masks": "uint64",
@@ -100,7 +101,8 @@ def read_region(path: Path) -> RegionFile:
     rows = math.floor((_decimal(grid, "fastest_mps") - v0) / dv) + 1
     if not 0 < columns * rows <= LARGEST_CELLS:
         raise grid.wrong("x_step_m", f"asks for {columns * rows} cells; at most {LARGEST_CELLS} are checked")
-    arrays = _arrays(fields, document.parent, (columns, rows))
+    omegas = _omegas(settings.mapping("omegas"), step)
+    arrays = _arrays(fields, document.parent, (columns, rows), -(-len(omegas[0]) // 64))
     low, high = step.numbers("apex_velocity_mps", 2)
     guard = settings.mapping("guard")
     return RegionFile(
@@ -116,7 +118,7 @@ def read_region(path: Path) -> RegionFile:
         v0=v0,
         dx=dx,
         dv=dv,
-        omegas=_omegas(settings.mapping("omegas"), step),
+        omegas=omegas,
         tube=(guard.number("omega_radps"), guard.number("slowest_mps"), guard.number("fastest_mps")),
         cells=fields.mapping("cells"),
         arrays=arrays,
@@ -134,8 +136,8 @@ def _omegas(fields: Fields, step: Fields) -> tuple[tuple[float, ...], tuple[floa
     """Return the omegas of both halves; those of the second are scaled when the CoM stays level."""
     low, high, by = (_decimal(fields, name) for name in ("low_radps", "high_radps", "step_radps"))
     count = math.floor((high - low) / by) + 1
-    if not 1 <= count <= 64:
-        raise fields.wrong("step_radps", "has to give 1 to 64 omegas")
+    if not 1 <= count <= MOST_OMEGAS:
+        raise fields.wrong("step_radps", f"has to give 1 to {MOST_OMEGAS} omegas")
     values = tuple(float(low + k * by) * fields.number("scale", least=1e-6) for k in range(count))
     factor = 1.0
     if step.flag("level_com"):
@@ -146,7 +148,7 @@ def _omegas(fields: Fields, step: Fields) -> tuple[tuple[float, ...], tuple[floa
     return values, tuple(value * factor for value in values)
 
 
-def _arrays(fields: Fields, folder: Path, shape: tuple[int, int]) -> dict[str, Array]:
+def _arrays(fields: Fields, folder: Path, shape: tuple[int, int], words: int) -> dict[str, Array]:
     place = fields.mapping("arrays")
     name = place.text("path")
     if Path(name).name != name:
@@ -163,8 +165,9 @@ def _arrays(fields: Fields, folder: Path, shape: tuple[int, int]) -> dict[str, A
     except (OSError, ValueError, zipfile.BadZipFile, EOFError, KeyError, NotImplementedError) as problem:
         raise InputError("is not a whole npz file of plain arrays", source=path) from problem
     for key, kind in ARRAYS.items():
-        if key not in found or found[key].dtype != np.dtype(kind) or found[key].shape != shape:
-            raise InputError(f"has to be {shape[0]} x {shape[1]} of {kind}", source=path, key=key)
+        wanted = (*shape, words) if kind == "uint64" else shape
+        if key not in found or found[key].dtype != np.dtype(kind) or found[key].shape != wanted:
+            raise InputError(f"has to be an array of {wanted} of {kind}", source=path, key=key)
     digest = hashlib.sha256()
     for key in ("first_masks", "second_masks"):
         digest.update(found[key].astype("<u8").tobytes())

@@ -41,7 +41,8 @@ def verify_path(path: Path | str, specification: Path | None = None) -> Report:
 
         check_terrain(path, ledger)
         return ledger.report("terrain")
-    if specification is None and (_kind(path) == "step-region" or path.suffix == ".npz"):
+    region = path.with_suffix(".json") if path.suffix == ".npz" else path
+    if specification is None and _kind(region) == "step-region":
         from surefoot.verify.regions import check_region
 
         check_region(path, ledger)

@@ -38,9 +38,9 @@ def convex_pieces(polygon: Any, smallest: float = 0.0) -> list[Floats]:
     if polygon.is_empty or polygon.area <= smallest:
         return []
     polygon = shapely.orient_polygons(shapely.remove_repeated_points(polygon, _REPEATED))
-    corners = _Corners(polygon)
     if _is_convex(polygon):
         return [piece for piece in [clean_outline(polygon)] if len(piece) >= 3]
+    corners = _Corners(polygon)
     if len(corners.reflex) > _MOST_CORNERS:
         joined = merged_triangles(polygon)
     else:

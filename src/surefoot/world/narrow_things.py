@@ -41,13 +41,14 @@ class NarrowThing:
 
 
 def find_narrow_things(
-    elevation: ElevationMap, taken: Flags, noise_m: float, widest_m: float
+    elevation: ElevationMap, taken: Flags, steep: Flags, noise_m: float, widest_m: float
 ) -> tuple[tuple[NarrowThing, ...], Flags]:
     """Return the narrow raised things outside polygons, longest first, and the cells that they cover.
 
     Args:
         elevation: the heights.
         taken: cells of regions that became polygons.
+        steep: cells on slopes; at the border of the map they are the slope's end, not a thing of their own.
         noise_m: of the heights.
         widest_m: things up to this width count as narrow.
     """
@@ -58,8 +59,11 @@ def find_narrow_things(
     side = 2 * max(1, math.ceil(widest_m / (2 * cell_m))) + 1
     lowest = float(np.nanmin(heights)) - 10.0
     filled = np.where(np.isnan(heights), lowest, heights)
-    framed = np.pad(filled, side, mode="reflect", reflect_type="odd")  # a slope goes on beyond the map
-    rise = filled - ndimage.grey_opening(framed, size=(side, side))[side:-side, side:-side]
+    inner = (slice(side, -side), slice(side, -side))
+    slope_goes_on = np.pad(filled, side, mode="reflect", reflect_type="odd")
+    rise = filled - ndimage.grey_opening(slope_goes_on, size=(side, side))[inner]
+    nothing_beyond = np.pad(filled, side, constant_values=lowest)
+    rise = np.where(steep, rise, filled - ndimage.grey_opening(nothing_beyond, size=(side, side))[inner])
     raised = (rise > max(_LEAST_RISE_M, 6 * noise_m)) & ~taken & ~np.isnan(heights)
     parts = connected(raised, connectivity=2)  # type: ignore[no-untyped-call]
     covered = np.zeros_like(raised)

@@ -180,7 +180,7 @@ def _region(rings: list[Floats]) -> Any:
     if not shapes:
         return shapely.Polygon()
     if len(shapes) == 1:
-        return _polygons(shapes[0])
+        return shapes[0] if shapes[0].geom_type == "Polygon" else _polygons(shapes[0])
     order = np.argsort([-shape.area for shape in shapes], kind="stable")
     outer, result = shapes[order[0]], shapes[order[0]]
     holes = [shapes[k] for k in order[1:] if outer.intersects(shapes[k])]
@@ -195,6 +195,8 @@ def _valid(shape: Any) -> Any:
 
 def _polygons(shape: Any) -> Any:
     """Return the polygons of a geometry, without lines and points."""
+    if shape.geom_type == "Polygon":
+        return shape
     parts = [part for part in shapely.get_parts(shape) if part.geom_type in ("Polygon", "MultiPolygon") and part.area]
     flat = [piece for part in parts for piece in shapely.get_parts(part)]
     if len(flat) == 1:

@@ -124,13 +124,13 @@ def segment(elevation: ElevationMap, options: SegmentOptions) -> Segmentation:
     heights = elevation.height_m.copy()
     dropouts = find_dropouts(heights, cell_m, options.fill_m)
     wide = min(max(1, round(options.window_m / (2 * cell_m) - 1e-9)), 3)
-    narrow_fit = kernels.fit_windows(heights, 1)
-    noise_m = _noise(kernels.fit_windows(heights, wide)[3] if wide > 1 else narrow_fit[3])
+    fits = {half: kernels.fit_windows(heights, half) for half in {1, wide}}
+    noise_m = _noise(fits[wide][3])
     strict_m = min(options.max_roughness_m, max(0.004, 1.6 * noise_m))
     passes = [(1, strict_m), (wide, options.max_roughness_m)]
     if wide > 1 and noise_m > 0.002:
         passes.insert(0, (wide, strict_m))
-    state = _State(heights, dropouts, options, cell_m, noise_m)
+    state = _State(heights, dropouts, fits, options, cell_m, noise_m)
     for half, roughness_m in passes:
         state.grow(half, roughness_m)
     return state.finished()
@@ -140,9 +140,15 @@ class _State:
     """The labels while regions are being found; it lives within one call of ``segment``."""
 
     def __init__(
-        self, heights: Floats, dropouts: Flags, options: SegmentOptions, cell_m: float, noise_m: float
+        self,
+        heights: Floats,
+        dropouts: Flags,
+        fits: dict[int, tuple[Floats, Floats, Floats, Floats]],
+        options: SegmentOptions,
+        cell_m: float,
+        noise_m: float,
     ) -> None:
-        self.heights, self.dropouts, self.options = heights, dropouts, options
+        self.heights, self.dropouts, self.fits, self.options = heights, dropouts, fits, options
         self.cell_m, self.noise_m = cell_m, noise_m
         self.labels: Labels = np.zeros(heights.shape, np.int32)
         self.planes: Floats = np.zeros((1, 3))
@@ -155,7 +161,7 @@ class _State:
 
         from surefoot.world import _plane_kernels as kernels
 
-        smooth, b, d, rms = kernels.fit_windows(self.heights, half)
+        smooth, b, d, rms = self.fits[half]
         slope = math.tan(math.radians(self.options.max_slope_deg))
         with np.errstate(invalid="ignore"):
             core = (self.labels == 0) & (rms <= roughness_m) & (np.hypot(b, d) <= slope * self.cell_m)
@@ -239,9 +245,8 @@ class _State:
         return Segmentation(self.labels, planes, self._classes(), bridged, misses, self.noise_m)
 
     def _classes(self) -> NDArray[np.uint8]:
-        from surefoot.world import _plane_kernels as kernels
 
-        _, b, d, rms = kernels.fit_windows(self.heights, 1)
+        _, b, d, rms = self.fits[1]
         slope = math.tan(math.radians(self.options.max_slope_deg))
         with np.errstate(invalid="ignore"):
             steep = np.hypot(b, d) > slope * self.cell_m

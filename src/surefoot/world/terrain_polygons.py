@@ -234,7 +234,9 @@ class _Builder:
 
         options, cell_m = self.options, self.elevation.resolution_m
         widest_m = 2 * options.margin_m + 2 * cell_m
-        narrow, covered = find_narrow_things(self.elevation, self.taken, self.found.noise_m, widest_m)
+        narrow, covered = find_narrow_things(
+            self.elevation, self.taken, self.classes == CellClass.STEEP, self.found.noise_m, widest_m
+        )
         self.classes[covered] = CellClass.NARROW
         if options.keep_narrow:
             self.polygons += [strip for thing in narrow if (strip := _strip(thing, options)) is not None]
@@ -276,7 +278,10 @@ class _Builder:
         if found.bridged.any():
             said.append(f"{int(found.bridged.sum())} cells without data inside regions were taken for dropouts")
         if found.noise_m > 0.015:
-            said.append(f"the ground is rough or noisy: {found.noise_m * 1000:.0f} mm; edges are uncertain")
+            said.append(
+                f"the ground is rough or noisy: {found.noise_m * 1000:.0f} mm; edges are uncertain, "
+                "and a larger --max-roughness may keep more"
+            )
         if options.margin_m < 0.5 * cell_m:
             said.append(
                 f"the margin of {options.margin_m:g} m is below half a cell: edges are known to half a cell only"
