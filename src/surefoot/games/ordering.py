@@ -25,14 +25,14 @@ _WIDEST_EDGE = 12
 def variable_orders(game: BitGame) -> list[list[int]]:
     """Return orders of the bits to try, top first.
 
-    Two arrangements by FORCE, from two starts, and one that keeps cuts small; each stands here both ways round, at
+    Two arrangements by FORCE, from two starts, and one that keeps pairs together; each stands here both ways round, at
     first the way with the environment's bits further down: most games are solved faster so, since the environment's
     next values are quantified last.
     """
     edges = _edges(game)
     starts = (list(range(len(game.bits))), _outputs_first(game))
     found = sorted((_force(start, edges) for start in starts), key=lambda order: _span(order, edges))
-    found.append(_smallest_cut_first(len(game.bits), edges))
+    found.append(_closest_first(len(game.bits), edges))
     found = [order[::-1] if _environment_above(game, order) else order for order in found]
     orders: list[list[int]] = []
     for order in (*found, *(order[::-1] for order in found)):
@@ -101,8 +101,8 @@ def _force(start: Sequence[int], edges: list[tuple[int, float]]) -> list[int]:
     return best
 
 
-def _smallest_cut_first(bits: int, edges: list[tuple[int, float]]) -> list[int]:
-    """Place bit after bit, each time the one that most of its weight ties to those placed already.
+def _closest_first(bits: int, edges: list[tuple[int, float]]) -> list[int]:
+    """Place bit after bit, each time the one with the largest share of its ties to those placed already.
 
     Bits of a pair that many rules join come side by side even where one wide rule joins all pairs, as in an arbiter.
     """
@@ -111,11 +111,11 @@ def _smallest_cut_first(bits: int, edges: list[tuple[int, float]]) -> list[int]:
         members = bits_of(mask)
         tie[np.ix_(members, members)] += weight / (len(members) - 1)
     np.fill_diagonal(tie, 0.0)
-    total, placed = tie.sum(axis=1), np.zeros(bits)
+    total, placed = np.maximum(tie.sum(axis=1), 1e-9), np.zeros(bits)
     order: list[int] = []
     free = np.ones(bits, dtype=np.bool_)
     for _ in range(bits):
-        gain = np.where(free, 2 * placed - total, -np.inf)
+        gain = np.where(free, placed / total, -1.0)
         chosen = int(np.argmax(gain))
         order.append(chosen)
         free[chosen] = False
