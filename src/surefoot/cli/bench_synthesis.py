@@ -53,6 +53,17 @@ def synthesis_figures(say: Say) -> Iterator[Figure]:
         what = f"synthesis {path.stem} ({runs[0]['engine']}):"
         yield Figure(f"{what} decided, CPU", solve_s, "s", target_s, "at most", slugs)
         yield Figure(f"{what} peak memory", memory_mb, "MB", None, "at most", "")
+    yield from _growth(say)
+
+
+def _growth(say: Say) -> Iterator[Figure]:
+    """Measure how far the growing families are decided within a minute."""
+    from surefoot.games.benchmarks import growth
+    from surefoot.missions.benchmarks import Figure
+
+    for member in growth(say, limit_s=LIMIT_S):
+        seconds = float("inf") if member.solve_s is None else member.solve_s
+        yield Figure(f"growth {member.family} {member.size}: decided, CPU", seconds, "s", None, "at most", "")
 
 
 def _run(path: Path) -> dict[str, Any]:

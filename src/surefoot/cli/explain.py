@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -160,12 +160,7 @@ def _explained(specification: Specification, options: Options) -> Explained:
 
 def _reduced(specification: Specification, core: tuple[Conjunct, ...]) -> Specification:
     """Return a specification with no lines of the system but the core, and without outputs that no line mentions."""
-    from surefoot.games.cores import keeping
-    from surefoot.logic.syntax import atoms, bit_owners
+    from surefoot.games.cores import keeping, without_idle_outputs
 
     promises = specification.sys_init + specification.system_safety + specification.sys_liveness
-    kept = keeping(specification, core, promises)
-    owners = bit_owners(specification)
-    names = {name for name, _ in atoms(conjunct.expression for conjunct in kept.conjuncts)}
-    names |= {owners[name][0].name for name in names if name in owners}
-    return replace(kept, outputs=tuple(variable for variable in kept.outputs if variable.name in names))
+    return without_idle_outputs(keeping(specification, core, promises))

@@ -15,7 +15,7 @@ from typing import TypeVar
 from surefoot.compute import Deadline
 from surefoot.errors import LimitExceeded
 from surefoot.games.solution import FOREVER, EnvDeadEnd
-from surefoot.logic.syntax import Conjunct, Specification
+from surefoot.logic.syntax import Conjunct, Specification, atoms, bit_owners
 from surefoot.verdict import Answer
 
 _T = TypeVar("_T")
@@ -55,7 +55,7 @@ def unrealizable_core(
     def unrealizable(kept: tuple[Conjunct, ...]) -> bool:
         deadline.check("searching for an unrealizable core")
         answer = synthesize(
-            keeping(specification, kept, candidates),
+            without_idle_outputs(keeping(specification, kept, candidates)),
             semantics=semantics,  # type: ignore[arg-type]
             engine=engine,  # type: ignore[arg-type]
             env_dead_end=env_dead_end,
@@ -88,6 +88,14 @@ def keeping(
         sys_trans_hard=left(specification.sys_trans_hard),
         sys_liveness=left(specification.sys_liveness),
     )
+
+
+def without_idle_outputs(specification: Specification) -> Specification:
+    """Return a specification without the outputs that no line mentions; who wins stays the same."""
+    owners = bit_owners(specification)
+    names = {name for name, _ in atoms(conjunct.expression for conjunct in specification.conjuncts)}
+    names |= {owners[name][0].name for name in names if name in owners}
+    return replace(specification, outputs=tuple(v for v in specification.outputs if v.name in names))
 
 
 @dataclass(slots=True)
