@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
+from surefoot.documents import FileProblems, Loc, dotted, problems_of, read_yaml
 from surefoot.errors import InputError
 from surefoot.missions._scenario_blocks import (
     Block,
@@ -26,8 +27,6 @@ from surefoot.missions._scenario_blocks import (
     WalkingBlock,
 )
 from surefoot.missions._scenario_checks import rectangle_problems, region_problems, several
-from surefoot.missions._scenario_problems import ScenarioError, problems_of
-from surefoot.missions._yaml_lines import Loc, dotted, read_yaml
 
 
 class Scenario(Block):
@@ -129,9 +128,9 @@ def read_scenario(path: Path) -> Scenario:
         scenario = Scenario.model_validate(document.value)
     except ValidationError as refused:
         problems += problems_of(refused, scenario_schema(), path, document.lines)
-        raise ScenarioError(problems) from None
+        raise FileProblems(problems) from None
     if problems:
-        raise ScenarioError(problems)
+        raise FileProblems(problems)
     scenario._path = path
     scenario._lines = document.lines
     return scenario
