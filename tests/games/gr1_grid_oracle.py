@@ -41,7 +41,7 @@ class Grid:
         def matrix(lines: Sequence[Conjunct]) -> Matrix:
             result: Matrix = np.ones((size, size), dtype=np.bool_)
             for line in lines:
-                result = result & np.broadcast_to(evaluator(line.expression, now, then), (size, size))
+                result = np.logical_and(result, np.broadcast_to(evaluator(line.expression, now, then), (size, size)))
             return result
 
         _, column = np.unique(states[:, : len(spec.inputs)], axis=0, return_inverse=True)
