@@ -67,7 +67,7 @@ class Grid:
         allowed = self.answer & good
         for x in range(self.move.shape[1]):
             able[:, x] = allowed[:, self.column == x].any(axis=1)
-        forced: Matrix = (~self.move | able).all(axis=1)
+        forced: Matrix = np.all(~self.move | able, axis=1)
         return forced & self.move.any(axis=1) if env_dead_end == "loses" else forced
 
     def winning(self, env_dead_end: str) -> Matrix:
