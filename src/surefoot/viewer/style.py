@@ -71,7 +71,7 @@ def legend_outside(figure: Figure, handles: list[Any], *, columns: int) -> None:
     looks: dict[str, Any] = {"loc": "outside lower center", "frameon": False, "handletextpad": 0.6}
     for count in range(columns, 0, -1):
         legend = figure.legend(handles=handles, ncols=count, **looks)
-        extent = legend.get_window_extent(FigureCanvasAgg(figure).get_renderer())
+        extent = legend.get_window_extent(FigureCanvasAgg(figure).get_renderer())  # type: ignore[no-untyped-call]
         if extent.width <= figure.bbox.width or count == 1:
             break
         legend.remove()
