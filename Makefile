@@ -36,3 +36,4 @@ bench: $(STAMP)
 
 clean:
 	rm -rf $(VENV) demo/ .mypy_cache .ruff_cache .pytest_cache
+	find src -name "*.nb[ic]" -delete

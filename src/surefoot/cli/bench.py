@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from enum import StrEnum
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from surefoot.cli.bench_regions import answer_table_1, region_figures
-from surefoot.cli.output import AsJson, answer, progress
+from surefoot.cli.output import AsJson, Say, answer, progress
 
 if TYPE_CHECKING:
     from surefoot.missions.benchmarks import Figure
+
+Suite = Callable[[Say], "Iterable[Figure]"]
 
 
 class Which(StrEnum):
@@ -41,32 +45,49 @@ def bench(
 
     Exit code 0: every target is met; 1: some is missed.
     """
-    from surefoot.missions.benchmarks import benchmarks
-
     with progress() as say:
         if which is Which.TABLE1:
             answer_table_1(say, as_json=as_json)
-        figures = (
-            ()
-            if which in {Which.FOOTHOLDS, Which.REGIONS, Which.TERRAIN, Which.SYNTHESIS}
-            else benchmarks(which.value, say)
-        )
-        if which in {Which.REGIONS, Which.ALL}:
-            figures += tuple(region_figures(say))
-        if which in {Which.FOOTHOLDS, Which.ALL}:
-            from surefoot.cli.bench_footholds import foothold_figures
-
-            figures += tuple(foothold_figures(say))
-        if which in {Which.TERRAIN, Which.ALL}:
-            from surefoot.cli.bench_terrain import terrain_figures
-
-            figures += tuple(terrain_figures(say))
-        if which in {Which.SYNTHESIS, Which.ALL}:
-            from surefoot.cli.bench_synthesis import synthesis_figures
-
-            figures += tuple(synthesis_figures(say))
+        figures = tuple(figure for suite in _suites(which) for figure in suite(say))
     met = all(figure.met is not False for figure in figures)
     answer({"figures": figures, "met": met}, _table(figures), yes=met, as_json=as_json)
+
+
+def _suites(which: Which) -> tuple[Suite, ...]:
+    """Return the functions that measure what was asked for."""
+    suites: dict[Which, Suite] = {
+        Which.REGIONS: region_figures,
+        Which.FOOTHOLDS: _footholds,
+        Which.TERRAIN: _terrain,
+        Which.SYNTHESIS: _synthesis,
+    }
+    if which in suites:
+        return (suites[which],)
+    return (partial(_biped, which.value), *(suites.values() if which is Which.ALL else ()))
+
+
+def _biped(which: str, say: Say) -> Iterable[Figure]:
+    from surefoot.missions.benchmarks import benchmarks
+
+    return benchmarks(which, say)
+
+
+def _footholds(say: Say) -> Iterable[Figure]:
+    from surefoot.cli.bench_footholds import foothold_figures
+
+    return foothold_figures(say)
+
+
+def _terrain(say: Say) -> Iterable[Figure]:
+    from surefoot.cli.bench_terrain import terrain_figures
+
+    return terrain_figures(say)
+
+
+def _synthesis(say: Say) -> Iterable[Figure]:
+    from surefoot.cli.bench_synthesis import synthesis_figures
+
+    return synthesis_figures(say)
 
 
 def _table(figures: tuple[Figure, ...]) -> list[str]:
