@@ -9,7 +9,7 @@ import typer
 
 from surefoot.cli.output import AsJson, answer, progress
 from surefoot.cli.plan import plan_lines
-from surefoot.cli.run import mission_reached, run_lines
+from surefoot.cli.run import run_lines
 
 
 def demo(
@@ -47,5 +47,5 @@ def demo(
         say("drawing")
         pictures = (*view_folder(output / "plan", None), *view_folder(output / "run", None))
     lines = [*plan_lines(planned), *run_lines(walked), "Open these:", *(f"  {picture}" for picture in pictures)]
-    yes = planned.verified and mission_reached(walked)
+    yes = planned.verified and walked.succeeded
     answer({"plan": planned, "run": walked, "pictures": pictures}, lines, yes=yes, as_json=as_json)

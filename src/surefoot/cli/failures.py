@@ -43,8 +43,10 @@ def explained(*, as_json: bool) -> Iterator[Outcome]:
     outcome = Outcome()
     try:
         yield outcome
+        if outcome.code == ExitCode.INTERRUPTED:  # typer turns the signal into this exit code
+            _say_interrupted(as_json=as_json)
     except KeyboardInterrupt:
-        outcome.code = _say("interrupted", ExitCode.INTERRUPTED, as_json=as_json)
+        outcome.code = _say_interrupted(as_json=as_json)
     except BrokenPipeError:
         # Whoever read our output has gone; point it elsewhere, or the interpreter complains when it flushes at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -94,6 +96,13 @@ def _usage(problem: typer.TyperException) -> str:
     context = getattr(problem, "ctx", None)
     hint = f" (try: {context.command_path} --help)" if context is not None else ""
     return f"{' '.join(message.split())}{hint}"
+
+
+def _say_interrupted(*, as_json: bool) -> int:
+    if as_json:
+        return _say("interrupted", ExitCode.INTERRUPTED, as_json=True)
+    print("interrupted", file=sys.stderr)
+    return int(ExitCode.INTERRUPTED)
 
 
 def _say(message: str, code: ExitCode, *, as_json: bool) -> int:

@@ -14,6 +14,8 @@ from surefoot.errors import InputError
 if TYPE_CHECKING:
     from surefoot.missions.biped import RunAnswer
 
+_FINDINGS = 5
+
 
 class Obstacle(StrEnum):
     """Who moves the obstacles."""
@@ -44,6 +46,13 @@ def run(
       surefoot run my.yaml --steps 500 --seed 7 --obstacle adversarial -o run/
       surefoot run my.yaml --obstacle scripted --script guard.yaml --json
 
+    The script of an obstacle is a YAML file that says where it is after turn 0,
+    after turn 1, and so on, in metres of the map; afterwards it stays there.
+    In one turn it moves to one of the four neighbouring cells or stays:
+      format: 1
+      kind: obstacle-script
+      positions_m: [[9.5, 6.8], [9.5, 9.5], [9.5, 9.5], [12.2, 9.5]]
+
     Exit code 0: every goal was reached, nothing collided, no step was unsafe,
     and the log is verified; 1: not so; 2: the input cannot be used, such as a
     plan that was made for another scenario.
@@ -56,18 +65,12 @@ def run(
         walked = run_mission(
             scenario, plan, steps=steps, seed=seed, obstacle=obstacle.value, script=script, out=output, progress=say
         )
-    answer(walked, run_lines(walked), yes=mission_reached(walked), as_json=as_json)
-
-
-def mission_reached(walked: RunAnswer) -> bool:
-    """Return whether every goal was reached, nothing collided, no step was unsafe and the log was verified."""
-    safe = walked.collisions == 0 and walked.unsafe_steps == 0 and walked.verified
-    return safe and all(count > 0 for count in walked.goals_reached)
+    answer(walked, run_lines(walked), yes=walked.succeeded, as_json=as_json)
 
 
 def run_lines(walked: RunAnswer) -> list[str]:
     """Return what a person wants to know about a run."""
-    head = "The mission was reached" if mission_reached(walked) else "The mission was NOT reached"
+    head = "The mission was reached" if walked.succeeded else "The mission was NOT reached"
     return [
         f"{head}: {walked.out}",
         *facts(
@@ -84,5 +87,17 @@ def run_lines(walked: RunAnswer) -> list[str]:
                 "log verified": walked.verified,
             }
         ),
+        *finding_lines(walked),
         *(f"  note: {note}" for note in walked.notes),
+    ]
+
+
+def finding_lines(walked: RunAnswer) -> list[str]:
+    """Return the first reasons why the log was not verified, and how many more there are."""
+    if walked.verified:
+        return []
+    more = len(walked.findings) - _FINDINGS
+    return [
+        *(f"  not verified: {finding}" for finding in walked.findings[:_FINDINGS]),
+        *([f"  and {more} more; all of them: surefoot verify {walked.out}"] if more > 0 else []),
     ]

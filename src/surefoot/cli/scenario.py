@@ -21,7 +21,7 @@ def init(
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="The scenario to write.")] = Path("scenario.yaml"),
     cell_size_m: Annotated[
-        float, typer.Option("--cell-size", min=0.05, max=1000, help="Side of a coarse cell, in metres.")
+        float, typer.Option("--cell-size", min=0.1, max=100, help="Side of a coarse cell, in metres.")
     ] = 2.70351,
     resolution_m: Annotated[
         float | None, typer.Option("--resolution", min=1e-6, help="Metres per pixel, for a picture without YAML.")

@@ -6,16 +6,33 @@ import math
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticKnownError
 
 _REACH_M = 1e5
 
 Metres = Annotated[float, Field(ge=-_REACH_M, le=_REACH_M)]
 Length = Annotated[float, Field(gt=0, le=_REACH_M)]
-Positive = Annotated[float, Field(gt=0, le=1e6)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]
 Point = Annotated[tuple[Metres, Metres], Field(description="[x, y] in metres of the map")]
 Costs = tuple[NotNegative, NotNegative, NotNegative, NotNegative]
 Compass = Literal["north", "east", "south", "west"]
+StepCells = Annotated[int, Field(ge=1, le=63)]
+TurnCells = Annotated[float, Field(ge=0.1, le=63)]
+ApexSpeed = Annotated[float, Field(ge=0.11, le=2)]
+
+
+def _at_least_one(items: tuple[Any, ...]) -> tuple[Any, ...]:
+    if not items:
+        raise PydanticKnownError("too_short", {"field_type": "Tuple", "min_length": 1, "actual_length": 0})
+    return items
+
+
+def some(most: int) -> tuple[Any, Any]:
+    """Return the annotations of a list of 1 to so many items.
+
+    With ``min_length`` a list whose only item is refused would also be called empty.
+    """
+    return Field(max_length=most, json_schema_extra={"minItems": 1}), AfterValidator(_at_least_one)
 
 
 def _two_corners(corners: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
@@ -47,7 +64,7 @@ class Block(BaseModel):
 class GridBlock(Block):
     """How the map is cut into coarse cells."""
 
-    cell_size_m: Annotated[Length, Field(ge=0.05, description="side of a coarse cell")]
+    cell_size_m: Annotated[float, Field(ge=0.1, le=100, description="side of a coarse cell")]
     origin_m: Annotated[Point, Field(description="a point where cell corners lie")] = (0.0, 0.0)
     rotation_rad: Annotated[
         float, Field(ge=-2 * math.pi, le=2 * math.pi, description="how the grid is turned, counter-clockwise")
@@ -94,13 +111,13 @@ class SensorBlock(Block):
 class RegionBlock(Block):
     """One belief region: the cells whose centres lie in one of the rectangles."""
 
-    rectangles_m: Annotated[tuple[Rectangle, ...], Field(min_length=1, max_length=1000)]
+    rectangles_m: Annotated[tuple[Rectangle, ...], *some(1000)]
 
 
 class FloorBlock(Block):
     """Cells with a floor that is not at height 0."""
 
-    rectangles_m: Annotated[tuple[Rectangle, ...], Field(min_length=1, max_length=1000)]
+    rectangles_m: Annotated[tuple[Rectangle, ...], *some(1000)]
     height_m: Annotated[float, Field(ge=-100, le=100)]
 
 
@@ -140,62 +157,65 @@ class NavigationBlock(Block):
 
 
 class WalkingBlock(Block):
-    """Numbers of the gait. What is not given gets the default of `surefoot.walking.walking_parameters`."""
+    """Numbers of the gait. What is not given gets the default of `surefoot.walking.walking_parameters`.
+
+    The ranges are those of `walking_parameters`, which also checks what depends on several keys.
+    """
 
     fine_cells: Annotated[
         int | None,
-        Field(ge=4, le=200, description="fine cells per side of a cell; default: one per 0.104 m, at least 26"),
+        Field(ge=4, le=64, description="fine cells per side of a cell; default: one per 0.104 m, at least 26"),
     ] = None
     turn_angle_deg: Annotated[
-        float | None, Field(gt=0, le=90, description="heading change of a turn step; must divide 90; default 22.5")
+        float | None, Field(ge=5, le=45, description="heading change of a turn step; must divide 90; default 22.5")
     ] = None
     straight_cells: Annotated[
-        tuple[Annotated[int, Field(ge=1, le=200)], ...] | None,
-        Field(min_length=1, max_length=16, description="lengths of straight steps in fine cells; default [4, 3, 2]"),
+        Annotated[tuple[StepCells, ...], *some(63)] | None,
+        Field(description="lengths of straight steps in fine cells; default [4, 3, 2]"),
     ] = None
-    pre_step_cells: Annotated[int | None, Field(ge=1, le=200, description="default 4")] = None
-    stop_cells: Annotated[int | None, Field(ge=1, le=200, description="default 2")] = None
+    pre_step_cells: Annotated[StepCells | None, Field(description="default 4")] = None
+    stop_cells: Annotated[StepCells | None, Field(description="default 2")] = None
     turn_a_cells: Annotated[
-        tuple[Positive, ...] | None,
-        Field(min_length=1, max_length=90, description="lengths of the steps of a turn away from the stance foot"),
+        Annotated[tuple[TurnCells, ...], *some(18)] | None,
+        Field(description="lengths of the steps of a turn away from the stance foot"),
     ] = None
     turn_b_cells: Annotated[
-        tuple[Positive, ...] | None,
-        Field(min_length=1, max_length=90, description="lengths of the steps of a turn toward the stance foot"),
+        Annotated[tuple[TurnCells, ...], *some(18)] | None,
+        Field(description="lengths of the steps of a turn toward the stance foot"),
     ] = None
     side_band_cells: Annotated[
-        int | None, Field(ge=0, le=100, description="kept free to the side of the robot; default 6")
+        int | None, Field(ge=0, le=31, description="kept free to the side of the robot; default 6")
     ] = None
-    sagittal_outcomes_cells: Annotated[int | None, Field(ge=0, le=10, description="default 1")] = None
-    lateral_outcomes_cells: Annotated[int | None, Field(ge=0, le=10, description="default 2")] = None
-    max_step_height_m: Annotated[float | None, Field(ge=0, le=1, description="default 0.2")] = None
+    sagittal_outcomes_cells: Annotated[int | None, Field(ge=0, le=2, description="default 1")] = None
+    lateral_outcomes_cells: Annotated[int | None, Field(ge=0, le=4, description="default 2")] = None
+    max_step_height_m: Annotated[float | None, Field(ge=0, le=0.2, description="default 0.2")] = None
     safety_distance_m: Annotated[
-        float | None, Field(gt=0, le=10, description="bound on foot to waypoint, sideways; default 0.52")
+        float | None, Field(ge=0.1, le=2, description="bound on foot to waypoint, sideways; default 0.52")
     ] = None
     apex_speed_mps: Annotated[
-        tuple[Positive, Positive] | None, Field(description="[least, most]; default [0.2, 0.7]")
+        tuple[ApexSpeed, ApexSpeed] | None, Field(description="[least, most]; default [0.2, 0.7]")
     ] = None
     steering_speed_max_mps: Annotated[
-        float | None, Field(gt=0, le=10, description="cap of the apex speed at a turn step; default 0.4")
+        ApexSpeed | None, Field(description="cap of the apex speed at a turn step; default 0.4")
     ] = None
-    switch_speed_max_mps: Annotated[float | None, Field(gt=0, le=10, description="default 1.1")] = None
+    switch_speed_max_mps: Annotated[float | None, Field(ge=0.11, le=3, description="default 1.1")] = None
     dy1_m: Annotated[
-        float | None, Field(ge=0, le=10, description="desired apex to waypoint, straight; default 0.10")
+        float | None, Field(ge=0, le=0.5, description="desired apex to waypoint, straight; default 0.10")
     ] = None
-    dy2_m: Annotated[float | None, Field(gt=0, le=10, description="desired foot to apex; default 0.135")] = None
+    dy2_m: Annotated[float | None, Field(ge=0.02, le=0.5, description="desired foot to apex; default 0.135")] = None
     cost_straight: Annotated[
         Costs | None, Field(description="[c1, c2, c3, c4] of Algorithm 1; default [1, 1, 0, 0]")
     ] = None
     cost_steering: Annotated[
         Costs | None, Field(description="[c1, c2, c3, c4] of Algorithm 1; default [7, 4, 0, 0]")
     ] = None
-    desired_duration_s: Annotated[float | None, Field(gt=0, le=10, description="used by c3; default 0.45")] = None
-    desired_width_m: Annotated[float | None, Field(gt=0, le=10, description="used by c4; default 0.45")] = None
+    desired_duration_s: Annotated[float | None, Field(ge=0.05, le=5, description="used by c3; default 0.45")] = None
+    desired_width_m: Annotated[float | None, Field(ge=0, le=2, description="used by c4; default 0.45")] = None
 
     @field_validator("turn_angle_deg")
     @classmethod
     def _divides_90(cls, angle: float | None) -> float | None:
-        if angle is not None and abs(90 / angle - round(90 / angle)) > 1e-9:
+        if angle is not None and abs(round(90 / angle) * angle - 90) > 1e-6:
             raise ValueError("must divide 90, such as 15, 18, 22.5, 30 or 45")
         return angle
 
@@ -210,8 +230,8 @@ class WalkingBlock(Block):
     @field_validator("apex_speed_mps")
     @classmethod
     def _ascending(cls, speeds: tuple[float, float] | None) -> tuple[float, float] | None:
-        if speeds is not None and speeds[0] >= speeds[1]:
-            raise ValueError("needs [least, most] with least below most")
+        if speeds is not None and speeds[0] > speeds[1]:
+            raise ValueError("needs [least, most] with least below most, or both equal")
         return speeds
 
     def given(self) -> dict[str, Any]:

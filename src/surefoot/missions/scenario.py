@@ -25,6 +25,7 @@ from surefoot.missions._scenario_blocks import (
     SensorBlock,
     StartBlock,
     WalkingBlock,
+    some,
 )
 from surefoot.missions._scenario_checks import rectangle_problems, region_problems, several
 
@@ -44,9 +45,7 @@ class Scenario(Block):
     grid: GridBlock
     robot: Annotated[str, Field(min_length=1, max_length=100, description="a name in surefoot.robots")] = "digit"
     start: StartBlock
-    goals: Annotated[
-        tuple[GoalBlock, ...], Field(min_length=1, max_length=1000, description="visited in this order, for ever")
-    ]
+    goals: Annotated[tuple[GoalBlock, ...], *some(1000), Field(description="visited in this order, for ever")]
     obstacles: Annotated[tuple[ObstacleBlock, ...], Field(max_length=16)] = ()
     sensor: SensorBlock
     belief_regions: Annotated[

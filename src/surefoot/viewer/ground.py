@@ -20,6 +20,7 @@ from surefoot.world import CoarseGrid, OccupancyMap
 
 _PIXEL_COLOURS = ListedColormap(["#ffffff00", UNKNOWN, WALL])
 _MARGIN = 0.5
+_SAMPLES = np.linspace(0.04, 0.96, 12)
 
 
 def points_m(grid: CoarseGrid, places: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -64,13 +65,26 @@ def ground_keys(grid: CoarseGrid, occupancy: OccupancyMap, *, whole: bool = Fals
     """Return what a legend says about the ground: only what there is."""
     west, north, east, south = _window(grid, whole=whole)
     keys = []
-    if not grid.free[north:south, west:east].all():
+    places = np.argwhere(~grid.free[north:south, west:east]) + np.array([north, west])
+    if any(_shows(grid, occupancy, int(row), int(column)) for row, column in places):
         keys.append(Patch(facecolor=BLOCKED, edgecolor="#a8a8a8", hatch="////", lw=0, label="blocked cell"))
     if occupancy.occupied.any():
         keys.append(Patch(facecolor=WALL, label="occupied"))
     if occupancy.unknown.any():
         keys.append(Patch(facecolor=UNKNOWN, label="unknown"))
     return keys
+
+
+def _shows(grid: CoarseGrid, occupancy: OccupancyMap, row: int, column: int) -> bool:
+    """Return whether some of a cell is not covered by occupied and unknown pixels, by samples."""
+    across, down = np.meshgrid(column + _SAMPLES, row + _SAMPLES)
+    points = points_m(grid, np.stack((across, down), axis=-1).reshape(-1, 2))
+    in_picture = Affine2D().rotate(occupancy.yaw_rad).translate(*occupancy.origin_m).inverted().transform(points)
+    east, north = np.floor(in_picture / occupancy.resolution_m).astype(int).T
+    rows, columns = occupancy.occupied.shape
+    on_map = (east >= 0) & (east < columns) & (north >= 0) & (north < rows)
+    covered = (occupancy.occupied | occupancy.unknown)[rows - 1 - north[on_map], east[on_map]]
+    return not (on_map.all() and covered.all())
 
 
 def draw_lines(axes: Axes, grid: CoarseGrid) -> None:

@@ -72,4 +72,6 @@ def _draw_risers(axes: Axes, grid: CoarseGrid, stairs: Any) -> None:
     middle = np.array([(west + east) / 2, (north + south) / 2])
     reach = 0.4 * np.array([columns * (east - west), rows * (south - north)])
     tail, tip = points_m(grid, np.array([middle - reach, middle + reach]))
-    axes.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": style.BLUE, "lw": 1.6}, zorder=9)
+    outline = [withStroke(linewidth=4.0, foreground="white")]
+    looks: dict[str, Any] = {"arrowstyle": "-|>", "color": style.BLUE, "lw": 1.6, "path_effects": outline}
+    axes.annotate("", tip, tail, arrowprops=looks, zorder=9)

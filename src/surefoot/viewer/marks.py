@@ -23,8 +23,8 @@ _ARROW = ((1.0, 0.0), (0.42, 0.42), (0.42, 0.14), (0.0, 0.14), (0.0, -0.14), (0.
 def mark_robot(axes: Axes, at_m: Place, yaw_rad: float, *, colour: str, size: float) -> None:
     """Draw an arrow from where the robot stands to where it faces, its length in points."""
     arrow = _arrow(yaw_rad)
-    axes.plot(*at_m, "o", ms=0.42 * size, color=colour, mec="white", mew=0.8, zorder=10)
     axes.plot(*at_m, marker=arrow, ms=2 * size * _reach(arrow), color=colour, mec="white", mew=0.8, zorder=10)
+    axes.plot(*at_m, "o", ms=0.42 * size, color=colour, mew=0, zorder=10)
 
 
 def robot_key(label: str, *, colour: str) -> Line2D:

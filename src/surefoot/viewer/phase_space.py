@@ -79,11 +79,11 @@ def _draw_stretch(axes: Axes, steps: Sequence[Step], walking: Mapping[str, Any])
     style.light_grid(axes)
     at_m, top_mps = 0.0, 1.25 * max(np.hypot(*step.switch_velocity_mps) for step in steps)
     top_mps = max(top_mps, 1.12 * walking.get("switch_speed_max_mps", 0.0))
-    begin_m, end_m = 0.0, 0.0
+    begin_m, end_m, before_m = 0.0, 0.0, None
     for number, step in enumerate(steps):
         _draw_asymptotes(axes, step, at_m, top_mps, new_frame=number == 0 or step.heading_change_rad != 0)
-        span = _draw_step(axes, step, at_m)
-        begin_m, end_m = min(begin_m, span[0]), max(end_m, span[1])
+        span = _draw_step(axes, step, at_m, before_m)
+        begin_m, end_m, before_m = min(begin_m, span[0]), max(end_m, span[1]), span[1]
         at_m += step.length_m
     margin_m = 0.12
     axes.set_xlim(begin_m - margin_m, end_m + margin_m)
@@ -92,15 +92,22 @@ def _draw_stretch(axes: Axes, steps: Sequence[Step], walking: Mapping[str, Any])
     _draw_bounds(axes, walking)
 
 
-def _draw_step(axes: Axes, step: Step, at_m: float) -> tuple[float, float]:
-    """Draw both halves of a step, its apexes and its switch; return its first and last position."""
+def _draw_step(axes: Axes, step: Step, at_m: float, before_m: float | None) -> tuple[float, float]:
+    """Draw both halves of a step, its apexes and its switch; return its first and last position.
+
+    Args:
+        axes: the panel.
+        step: the step.
+        at_m: position of its waypoint.
+        before_m: where its first apex stands already, as the last of the step before; None for the first step.
+    """
     before, after = halves(step, 40)
     colours = (style.LEFT, style.RIGHT) if step.stance == "left" else (style.RIGHT, style.LEFT)
     for (points, speeds), colour in zip((before, after), colours, strict=True):
         axes.plot(local(step, points)[:, 0] + at_m, turned(step, speeds)[:, 0], color=colour, lw=1.8, zorder=4)
     first = float(local(step, before[0])[0, 0]) + at_m
     last = float(local(step, after[0])[-1, 0]) + at_m
-    _draw_turned_apex(axes, step, first)
+    _draw_first_apex(axes, step, first, before_m)
     speed = float(turned(step, np.array(step.switch_velocity_mps))[0])
     switch = float(local(step, np.array(step.switch_m))[0]) + at_m
     axes.plot(switch, speed, "s", ms=5.5, mfc="white", mec=style.BLACK, mew=1.1, zorder=6)
@@ -108,14 +115,16 @@ def _draw_step(axes: Axes, step: Step, at_m: float) -> tuple[float, float]:
     return first, last
 
 
-def _draw_turned_apex(axes: Axes, step: Step, position_m: float) -> None:
-    """Draw the start apex, and how turning the frame lowers its speed along the heading."""
+def _draw_first_apex(axes: Axes, step: Step, position_m: float, before_m: float | None) -> None:
+    """Draw the apex that a step begins at, and how turning the frame moves it and lowers its speed."""
     along = float(turned(step, np.array(step.velocity_mps))[0])
     speed = float(np.hypot(*step.velocity_mps))
-    axes.plot(position_m, speed, "o", ms=5, color=style.BLACK, zorder=6)
+    if before_m is None:
+        before_m = position_m
+        axes.plot(position_m, speed, "o", ms=5, color=style.BLACK, zorder=6)
     if step.heading_change_rad:
-        axes.plot([position_m, position_m], [along, speed], ":", color=style.BLACK, lw=1.0, zorder=5)
-        axes.plot(position_m, along, "o", ms=5, mfc="white", mec=style.BLACK, zorder=6)
+        axes.plot([before_m, position_m], [speed, along], ":", color=style.BLACK, lw=1.0, zorder=5)
+        axes.plot(position_m, along, "o", ms=5, mfc="white", mec=style.BLACK, zorder=7)
 
 
 def _draw_asymptotes(axes: Axes, step: Step, at_m: float, top_mps: float, *, new_frame: bool) -> None:
@@ -138,12 +147,14 @@ def _draw_bounds(axes: Axes, walking: Mapping[str, Any]) -> None:
 
 def _legend(*, turning: bool) -> list[Any]:
     turned_apex = [
-        Line2D([], [], ls="", marker="o", mfc="white", mec=style.BLACK, label="apex along the new heading"),
+        Line2D(
+            [], [], ls=":", lw=1.0, marker="o", mfc="white", color=style.BLACK, label="same apex, in the new heading"
+        ),
     ]
     return [
         Line2D([], [], color=style.LEFT, lw=2, label="orbit about the left foot"),
         Line2D([], [], color=style.RIGHT, lw=2, label="orbit about the right foot"),
-        Line2D([], [], ls="", marker="o", color=style.BLACK, label="apex along the old heading" if turning else "apex"),
+        Line2D([], [], ls="", marker="o", color=style.BLACK, label="apex"),
         *(turned_apex if turning else []),
         Line2D([], [], ls="", marker="s", mfc="white", mec=style.BLACK, label="switch of the stance foot"),
         Line2D(
