@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from surefoot.cli import (
+    baselines,
     bench,
     demo,
     doctor,
@@ -75,6 +76,7 @@ app.command("simulate")(simulate.simulate)
 app.command("export")(export.export)
 app.command("demo")(demo.demo)
 app.command("reach")(reach.reach)
+footholds.app.command("baselines")(baselines.baselines)
 app.add_typer(footholds.app, name="footholds")
 app.add_typer(terrain.app, name="terrain")
 app.command("bench")(bench.bench)

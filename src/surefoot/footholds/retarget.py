@@ -13,19 +13,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surefoot.footholds.gaits import Gait
-from surefoot.footholds.model import INF, Choice, all_open
+from surefoot.footholds.model import INF, Choice
 from surefoot.footholds.nodes import Node
 from surefoot.footholds.problem import Array, Problem, nominal_feet
 from surefoot.footholds.qp import solve_qp
-from surefoot.footholds.rows import Cost, CostBuilder, Quantity, RowBuilder, Rows
+from surefoot.footholds.rows import Cost, CostBuilder, Quantity, RowBuilder, Rows, stacked
 from surefoot.footholds.search import search
 from surefoot.footholds.terrain import cone_hull, hull_of
 
 SHIFT_MAX_M = (0.15, 0.10, 0.10)
 NEAR_MEAN_M = 0.05
+_SLACK_M = 1e-6
 _FOOT_WEIGHT, _FORCE_WEIGHT = 1.0, 1e-5
 _FEET = np.arange(3, 15).reshape(4, 3)
 _FORCES = np.arange(15, 27).reshape(4, 3)
+_BASE, _STANDING_FEET, _STANDING_FORCES = (Quantity.unknown(index) for index in (np.arange(3), _FEET, _FORCES))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,8 +56,10 @@ def retarget(problem: Problem) -> Retargeted:
     begin = time.perf_counter()
     end = begin + problem.options.time_limit_s
     standing = _standing(problem)
-    program = StandingProgram(standing)
-    outcome = search(standing, program, all_open(standing), gap=1e-6, stop=lambda: time.perf_counter() > end)
+    program, root = StandingProgram(standing), _in_reach(standing)
+    if not all(root):
+        return Retargeted("infeasible", None, None, (), None, (time.perf_counter() - begin) * 1e3)
+    outcome = search(standing, program, root, gap=1e-6, stop=lambda: time.perf_counter() > end)
     elapsed_ms = (time.perf_counter() - begin) * 1e3
     if outcome.best is None or outcome.node is None:
         return Retargeted("infeasible" if outcome.complete else "unknown", None, None, (), None, elapsed_ms)
@@ -82,6 +86,16 @@ def _standing(problem: Problem) -> Problem:
     )
 
 
+def _in_reach(standing: Problem) -> Choice:
+    """Return for every foot the polygons that meet the box in which it can be, wherever the base may be moved to."""
+    wished = nominal_feet(standing.robot, standing.goal_m, standing.goal_rpy_rad)
+    around = np.abs(standing.rotations[-1]) @ np.array(standing.robot.foot_reach_m) + np.array(SHIFT_MAX_M)
+    low = np.array([one.vertices_m.min(axis=0) for one in standing.polygons]) - around
+    high = np.array([one.vertices_m.max(axis=0) for one in standing.polygons]) + around
+    meets = ((low <= wished[:, None] + _SLACK_M) & (wished[:, None] - _SLACK_M <= high)).all(axis=2)
+    return tuple(tuple(map(int, np.flatnonzero(meets[step.foot]))) for step in standing.footsteps)
+
+
 class StandingProgram:
     """The program of the search: one pose.
 
@@ -97,11 +111,16 @@ class StandingProgram:
         build.add(_FOOT_WEIGHT, [(1.0, Quantity.unknown(_FEET))], wished)
         build.add(_FORCE_WEIGHT, [(1.0, Quantity.unknown(_FORCES))], 0.0)
         self.cost: Cost = build.cost()
+        self.fixed = self._ungrounded()
 
     def rows(self, choice: Choice) -> Rows:
         """Return the rows for what a choice leaves open."""
+        return stacked((self.fixed, self._grounded(choice)))
+
+    def _ungrounded(self) -> Rows:
+        """Return the rows that no choice changes."""
         problem, build = self.problem, RowBuilder(27)
-        base, feet, forces = (Quantity.unknown(index) for index in (np.arange(3), _FEET, _FORCES))
+        base, feet, forces = _BASE, _STANDING_FEET, _STANDING_FORCES
         shift = np.array(SHIFT_MAX_M)
         build.add("support", problem.goal_m - shift, problem.goal_m + shift, [(1.0, base)])
         mean = [(-0.25, feet[foot, :2]) for foot in range(4)]
@@ -110,20 +129,26 @@ class StandingProgram:
         build.add("dynamics", weight, weight, [(1.0, forces[foot]) for foot in range(4)])
         turn, reach = problem.rotations[-1], np.array(problem.robot.foot_reach_m)
         limit = np.array(problem.robot.torque_max_nm)
-        for number, step in enumerate(problem.footsteps):
-            foot = step.foot
-            nominal = np.array(problem.robot.feet_m[foot])
+        for foot in range(4):
+            nominal, arm = np.array(problem.robot.feet_m[foot]), np.array(problem.robot.jacobians[foot])
             terms = [(turn[b], feet[foot, b][None]) for b in range(3)]
             terms += [(-turn[b], base[b][None]) for b in range(3)]
             build.add("reach", nominal - reach, nominal + reach, terms)
+            build.add("torque", -limit, limit, [(arm[a], forces[foot, a][None]) for a in range(3)])
+        return build.rows()
+
+    def _grounded(self, choice: Choice) -> Rows:
+        """Return the rows that keep feet and forces to the polygons left."""
+        problem, build = self.problem, RowBuilder(27)
+        feet, forces = _STANDING_FEET, _STANDING_FORCES
+        for number, step in enumerate(problem.footsteps):
+            foot = step.foot
             ground = [problem.polygons[r] for r in choice[number]]
-            hull = hull_of(ground)
+            hull, cone = hull_of(ground), cone_hull(ground)
             build.add("region", -INF, hull.bounds, [(hull.planes[:, a], feet[foot, a][None]) for a in range(3)])
             if hull.normal is not None:
                 build.add("region", hull.offset, hull.offset, [(hull.normal[a], feet[foot, a][None]) for a in range(3)])
-            cone, arm = cone_hull(ground), np.array(problem.robot.jacobians[foot])
             build.add("friction", -INF, 0.0, [(cone[:, a], forces[foot, a][None]) for a in range(3)])
-            build.add("torque", -limit, limit, [(arm[a], forces[foot, a][None]) for a in range(3)])
         return build.rows()
 
     def solve(self, choice: Choice) -> Node:

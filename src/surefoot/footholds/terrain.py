@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ class PolygonError(ValueError):
     """A list of vertices is no polygon that a foot can stand on."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Polygon:
     """A convex polygon in space, on which a foot may stand.
 
@@ -38,19 +39,19 @@ class Polygon:
     sides: Array
     bounds: Array
 
-    @property
+    @cached_property
     def offset(self) -> float:
         """The plane is ``normal @ p == offset``."""
         return float(self.normal @ self.vertices_m.mean(axis=0))
 
-    @property
+    @cached_property
     def tangents(self) -> Array:
         """Return t1 (world x projected on the plane, normalised) and t2 = n x t1, shape (2, 3)."""
         first = np.array([1.0, 0.0, 0.0]) - self.normal[0] * self.normal
         first = first / np.linalg.norm(first)
         return np.array([first, np.cross(self.normal, first)])
 
-    @property
+    @cached_property
     def pyramid(self) -> Array:
         """Return the rows c of the inner friction pyramid, shape (5, 3): a force is in it when ``c @ f <= 0``.
 
@@ -59,7 +60,7 @@ class Polygon:
         t, slope = self.tangents, self.friction / np.sqrt(2.0) * self.normal
         return np.array([t[0] - slope, -t[0] - slope, t[1] - slope, -t[1] - slope, -self.normal])
 
-    @property
+    @cached_property
     def rays(self) -> Array:
         """Return the four edges of the friction pyramid, shape (4, 3)."""
         t, slope = self.tangents, self.friction / np.sqrt(2.0)
@@ -204,8 +205,9 @@ def _solid_hull(points: Array) -> Array:
 
 def cone_hull(polygons: Sequence[Polygon]) -> Array:
     """Return rows c of a cone that holds the friction pyramids of all the polygons: ``c @ f <= 0``."""
-    if len(polygons) == 1:
-        return polygons[0].pyramid
+    first_pyramid = polygons[0].pyramid
+    if all((one.pyramid == first_pyramid).all() for one in polygons[1:]):
+        return first_pyramid
     rays = np.concatenate([one.rays for one in polygons])
     up = np.array([0.0, 0.0, 1.0])
     if rays[:, 2].min() < 0.05:
