@@ -1,0 +1,108 @@
+"""The browser page: a viser server on this machine alone, and scenes that open from a file without any server."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stdout
+from importlib.resources import files
+from io import StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from surefoot.compute import written_whole
+from surefoot.errors import BackendMissing, InputError
+
+if TYPE_CHECKING:
+    import viser
+
+HOST = "127.0.0.1"
+
+
+@contextmanager
+def server(port: int | None = None) -> Iterator[viser.ViserServer]:
+    """Yield a server that only this machine reaches; it stops when the block ends.
+
+    Args:
+        port: to listen on; None takes any free one.
+
+    Raises:
+        BackendMissing: viser is not installed.
+        InputError: the port is in use.
+    """
+    viser = _viser()
+    with redirect_stdout(StringIO()):  # it greets and says goodbye
+        running = viser.ViserServer(host=HOST, port=_free_port(port), verbose=False)
+    _without_sharing(running)
+    try:
+        yield running
+    finally:
+        with redirect_stdout(StringIO()):
+            running.stop()
+
+
+def write_page(path: Path, serializer: Any, cameras: Mapping[str, Mapping[str, Any]]) -> None:
+    """Write a recorded scene as one file that opens without a network, whole or not at all.
+
+    Args:
+        path: of the HTML file.
+        serializer: what viser recorded.
+        cameras: a button for every name: ``position`` and ``look_at`` in the world, or ``follow``, a node's name.
+    """
+    import json
+
+    page = serializer.as_html()
+    own = files("surefoot.viewer").joinpath("page.html").read_text("utf-8")
+    panel = own.replace("/*CAMERAS*/", json.dumps(cameras))
+    end = page.rindex("</body>")
+    with written_whole(path) as stream:
+        stream.write((page[:end] + panel + page[end:]).encode())
+
+
+def _viser() -> Any:
+    try:
+        import viser
+    except ImportError as missing:
+        raise BackendMissing("viser", "pip install 'surefoot[view]'") from missing
+    return viser
+
+
+def _free_port(port: int | None) -> int:
+    """Return a port that nobody listens on."""
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((HOST, port or 0))
+        except OSError as problem:
+            raise InputError(f"port {port} of {HOST} is in use; choose another one", key="--port") from problem
+        return int(probe.getsockname()[1])
+
+
+def _without_sharing(running: viser.ViserServer) -> None:
+    """Take away what lets a client open a public tunnel."""
+    from viser import _messages
+
+    for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
+        running._websock_server._incoming_handlers.pop(message, None)
+
+
+def colour(name: str) -> tuple[int, int, int]:
+    """Return a colour of the pictures, ``#rrggbb``, as three bytes."""
+    return tuple(int(name[place : place + 2], 16) for place in (1, 3, 5))  # type: ignore[return-value]
+
+
+def add_solid(scene: Any, name: str, solid: Any, hue: str, **looks: Any) -> Any:
+    """Add triangles to a scene; nothing when there are none."""
+    if len(solid.faces) == 0:
+        return None
+    return scene.add_mesh_simple(
+        name,
+        vertices=solid.vertices_m.astype(np.float32),
+        faces=solid.faces,
+        color=colour(hue),
+        flat_shading=True,
+        side="double",
+        **looks,
+    )
