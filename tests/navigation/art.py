@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.frames import Direction
-from surefoot.navigation import CoarseMap, NavigationProblem, coarse_map
+from surefoot.navigation import CoarseMap, NavigationProblem, Obstacle, coarse_map
 from surefoot.world import CoarseGrid, Floor, Stairs, make_heights
 
 CELL_M = 2.70351
@@ -63,22 +63,41 @@ def coarse_of(
     return coarse_map(grid, make_heights(grid, 26, floors, stairs), 10.82, corners)
 
 
-def two_rooms(*, corners: str = "visible", **options: object) -> NavigationProblem:
+def crowd(
+    starts: tuple[int, ...], forbidden: frozenset[int] = frozenset(), speed_cells: int = 1
+) -> tuple[Obstacle, ...]:
+    """Return equal obstacles."""
+    return tuple(Obstacle(start, forbidden, speed_cells) for start in starts)
+
+
+def two_rooms(
+    *,
+    corners: str = "visible",
+    obstacle_starts: tuple[int, ...] = (61,),
+    forbidden: frozenset[int] = UPPER_ROOM | STAIRS_AND_FRONT,
+    **options: object,
+) -> NavigationProblem:
     """Return the scene of seed Fig. 14."""
     problem = {
         "coarse": coarse_of(TWO_ROOMS, corners=corners, floors=(UPPER_FLOOR,), stairs=(STAIRS,)),
         "start": 56,
         "heading": Direction.EAST,
         "goals": (57, 49),
-        "obstacle_starts": (61,),
-        "forbidden": UPPER_ROOM | STAIRS_AND_FRONT,
+        "obstacles": crowd(obstacle_starts, forbidden),
         "regions": TWO_ROOM_REGIONS,
         **options,
     }
     return NavigationProblem(**problem)  # type: ignore[arg-type]
 
 
-def older(*, extra_wall: bool = False, corners: str = "visible", **options: object) -> NavigationProblem:
+def older(
+    *,
+    extra_wall: bool = False,
+    corners: str = "visible",
+    obstacle_starts: tuple[int, ...] = (28,),
+    forbidden: frozenset[int] = OLDER_FORBIDDEN,
+    **options: object,
+) -> NavigationProblem:
     """Return the 7 x 13 scene of the conference version, optionally with a static obstacle more."""
     lines = OLDER.split()
     if extra_wall:
@@ -88,8 +107,7 @@ def older(*, extra_wall: bool = False, corners: str = "visible", **options: obje
         "start": 62,
         "heading": Direction.EAST,
         "goals": (37, 53),
-        "obstacle_starts": (28,),
-        "forbidden": OLDER_FORBIDDEN,
+        "obstacles": crowd(obstacle_starts, forbidden),
         "regions": OLDER_REGIONS,
         **options,
     }

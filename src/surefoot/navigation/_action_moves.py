@@ -174,9 +174,26 @@ def move(
     """
     if action == STAY:
         return ACHIEVED, row, column, heading, stance, mode, 0.0
-    lost = (LOST, row, column, heading, stance, mode, 0.0)
-    order = tables.order[context]
     rows, columns, next_heading, next_mode = displacement(tables, heading, mode, context, action, sagittal, lateral)
+    return arrive(tables, row, column, stance, context, action, rows, columns, next_heading, next_mode)
+
+
+@njit(cache=True)
+def arrive(
+    tables: Tables,
+    row: int,
+    column: int,
+    stance: int,
+    context: int,
+    action: int,
+    rows: int,
+    columns: int,
+    next_heading: int,
+    next_mode: int,
+) -> Any:
+    """Return what comes of a step that displaces the robot by some cells; see ``move``."""
+    order = tables.order[context]
+    lost = (LOST, row, column, next_heading, stance, next_mode, 0.0)
     crossed = border_crossed(tables, row + rows, column + columns)
     if crossed == -2 or (crossed >= 0 and crossed != order):
         return lost

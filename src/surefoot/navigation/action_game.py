@@ -150,6 +150,31 @@ def apply_action(tables: Tables, state: FineState, action: int, sagittal: int, l
     return Moved(FineState(row, column, heading, stance, mode, state.context), status == moves.ACHIEVED, float(change))
 
 
+def displace_action(
+    tables: Tables, state: FineState, action: int, outcome: tuple[int, int], moved: tuple[int, int], *, put_off: bool
+) -> Moved | None:
+    """Return where an action leads when a push displaces its waypoint; None where the rules of the game forbid it.
+
+    Args:
+        tables: the rules.
+        state: before.
+        action: code of an allowed action.
+        outcome: sagittal and lateral deviation, whether the game admits it or not.
+        moved: rows and columns by which the waypoint moves besides.
+        put_off: a stop that is not carried out; the robot walks on.
+    """
+    rows, columns, heading, mode = moves.displacement(
+        tables, state.heading, state.mode, state.context, action, *outcome
+    )
+    where = (rows + moved[0], columns + moved[1], heading, Mode.WALKING if put_off else mode)
+    status, row, column, heading, stance, mode, change = moves.arrive(
+        tables, state.row, state.column, state.stance, state.context, action, *map(int, where)
+    )
+    if status == moves.LOST:
+        return None
+    return Moved(FineState(row, column, heading, stance, mode, state.context), status == moves.ACHIEVED, float(change))
+
+
 def standing_start(rules: ActionRules, row: int, column: int, heading: Direction, context: int) -> FineState:
     """Return the first state of a mission: standing, the left foot as stance foot."""
     return FineState(row, column, int(heading) * rules.tables.turn_steps, 0, int(Mode.STANDING), context)

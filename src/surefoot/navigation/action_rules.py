@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from surefoot.frames import Direction
 from surefoot.navigation.coarse import CoarseMap
-from surefoot.navigation.navigation_game import Order
+from surefoot.navigation.navigation_rules import Order
 from surefoot.walking import StepLibrary, TurnTemplate
 
 STOP_ORDER = 4

@@ -2,94 +2,126 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from functools import reduce
-from itertools import product
+from itertools import combinations_with_replacement, product
 from operator import or_
 from typing import Literal
 
-from surefoot.navigation.obstacles import ObstacleDomain, ObstacleState, bits
+from surefoot.navigation.obstacles import ObstacleKind, ObstacleKinds, ObstacleState, bits
 
-BeliefKind = Literal["exact", "regions", "single"]
-Abstraction = Callable[[int, int], int]
-"""From the hidden image (mask) and the viewing cell to the belief (mask that contains it)."""
+BeliefKind = Literal["exact", "regions", "single", "unnarrowed"]
 
 
-def abstraction(kind: BeliefKind, domain: ObstacleDomain, regions: tuple[frozenset[int], ...] = ()) -> Abstraction:
-    """Return the belief abstraction of a kind.
+@dataclass(frozen=True, slots=True)
+class Abstraction:
+    """From the hidden image to the belief, a set that contains it: the union of the parts that it touches.
+
+    Attributes:
+        parts: disjoint masks that cover the domains together.
+        narrowed: whether what is seen is taken out again.
+    """
+
+    parts: tuple[int, ...]
+    narrowed: bool = True
+
+    def __call__(self, kinds: ObstacleKinds, kind: ObstacleKind, image: int, view: int) -> int:
+        """Return the belief for a hidden image that is not empty, seen from a cell."""
+        touched = reduce(or_, (part for part in self.parts if part & image), 0) & kind.within
+        return touched & ~kinds.seen_from[view] if self.narrowed else touched
+
+
+def abstraction(belief: BeliefKind, kinds: ObstacleKinds, regions: tuple[frozenset[int], ...] = ()) -> Abstraction:
+    """Return the belief abstraction of a name.
 
     Args:
-        kind: "exact" keeps the hidden image itself; "regions" the union of the regions that it touches, "single" the
-            whole domain, both without what is seen.
-        domain: the obstacle domain.
-        regions: disjoint sets of cells; the rest of the domain is one more region.
+        belief: "exact" keeps the hidden image itself; "regions" the union of the regions that it touches, "single" the
+            whole domain, both without what is seen; "unnarrowed" the whole domain, whatever is seen.
+        kinds: the obstacles.
+        regions: disjoint sets of cells; the rest of the domains is one more region.
 
     Source: Shamsah et al., T-RO 2023, VI-E; the reduction by what is seen keeps every set smaller and still sound.
     """
-    if kind == "exact":
-        return lambda image, _view: image
-    if kind == "single":
-        return lambda _image, view: domain.everywhere & ~domain.seen_from[view]
-    named = [domain.mask(region) for region in regions]
-    parts = [*named, domain.everywhere & ~reduce(or_, named, 0)]
-
-    def by_regions(image: int, view: int) -> int:
-        touched = reduce(or_, (part for part in parts if part & image), 0)
-        return touched & ~domain.seen_from[view]
-
-    return by_regions
+    everywhere = (1 << len(kinds.cells)) - 1
+    if belief == "exact":
+        return Abstraction(tuple(1 << bit for bit in range(len(kinds.cells))))
+    if belief != "regions":
+        return Abstraction((everywhere,), narrowed=belief == "single")
+    named = [kinds.mask(region) for region in regions]
+    rest = everywhere & ~reduce(or_, named, 0)
+    return Abstraction(tuple(part for part in (*named, rest) if part))
 
 
-def first_knowledge(domain: ObstacleDomain, abstract: Abstraction, view: int, starts: tuple[int, ...]) -> ObstacleState:
+def first_knowledge(kinds: ObstacleKinds, abstract: Abstraction, view: int, starts: tuple[int, ...]) -> ObstacleState:
     """Return what the robot knows at the start, where every obstacle's cell is told (rules.md 4, start)."""
-    in_view = domain.seen_from[view]
-    hidden = domain.mask(starts) & ~in_view
-    visible = tuple(sorted(cell for cell in starts if in_view >> domain.bit[cell] & 1))
-    return ObstacleState(visible, abstract(hidden, view) if hidden else 0)
+    visible, beliefs = [], []
+    for kind in kinds:
+        places = [starts[obstacle] for obstacle in kind.obstacles]
+        seen = [cell for cell in places if kinds.seen_from[view] >> kinds.bit[cell] & 1]
+        hidden = kinds.mask(places) & ~kinds.mask(seen)
+        visible.append(tuple(sorted(seen)))
+        beliefs.append(abstract(kinds, kind, hidden, view) if hidden else 0)
+    return ObstacleState(tuple(visible), tuple(beliefs))
 
 
 def observe(
-    domain: ObstacleDomain,
-    abstract: Abstraction,
-    state: ObstacleState,
-    count: int,
-    view: int,
-    standing: int | None,
+    kinds: ObstacleKinds, abstract: Abstraction, state: ObstacleState, view: int, standing: int | None
 ) -> tuple[ObstacleState, ...]:
     """Return everything that the robot may know after the obstacles have moved.
 
-    The four classes of belief transition of the paper are the four cases of: visible or hidden before, visible or
-    hidden after. One observation can match several combinations of moves; their hidden images are united, so that a
-    belief always contains the truth.
+    The game's own exploration does the same, compiled (``_game_kernels``); this is the rule in its readable form.
 
     Args:
-        domain: the obstacle domain.
+        kinds: the obstacles.
         abstract: the belief abstraction.
         state: knowledge before.
-        count: number of obstacles.
         view: the cell from which the robot judges what it sees.
         standing: the robot's cell when it stands there in this turn, which no obstacle enters (assumption (a));
             else None.
 
-    Source: Shamsah et al., T-RO 2023, VI-E and VI-F.
+    Source: Shamsah et al., T-RO 2023, VI-E and VI-F; docs/rules.md 4, observation.
     """
-    barred = 0 if standing is None else domain.mask((standing,))
-    in_view = domain.seen_from[view]
-    images = [domain.reach[domain.bit[cell]] & ~barred for cell in state.visible]
-    images += [domain.image(state.hidden) & ~barred] * (count - len(state.visible))
-    choices = [
-        [*((bit, 0) for bit in bits(image & in_view)), *([(-1, image & ~in_view)] if image & ~in_view else [])]
-        for image in images
+    outcomes = [
+        _observe_kind(kinds, kind, abstract, seen, hidden, view, standing)
+        for kind, seen, hidden in zip(kinds, state.visible, state.hidden, strict=True)
     ]
-    hidden_after: dict[tuple[int, ...], int] = {}
-    for combination in product(*choices):
-        visible = tuple(sorted(domain.cells[bit] for bit, _ in combination if bit >= 0))
-        hidden_after[visible] = reduce(or_, (mask for _, mask in combination), hidden_after.get(visible, 0))
     return tuple(
-        ObstacleState(visible, abstract(mask, view) if mask else 0) for visible, mask in sorted(hidden_after.items())
+        ObstacleState(tuple(seen for seen, _ in together), tuple(hidden for _, hidden in together))
+        for together in product(*outcomes)
     )
 
 
-def collision_image(domain: ObstacleDomain, state: ObstacleState) -> int:
-    """Return the mask of all cells that some obstacle may be in after its next move."""
-    return domain.image(state.possible(domain))
+def _observe_kind(
+    kinds: ObstacleKinds,
+    kind: ObstacleKind,
+    abstract: Abstraction,
+    seen: tuple[int, ...],
+    hidden: int,
+    view: int,
+    standing: int | None,
+) -> list[tuple[tuple[int, ...], int]]:
+    """Return the visible cells and the belief of one kind after a turn.
+
+    The four classes of belief transition of the paper are the four cases of: visible or hidden before, visible or
+    hidden after. One observation can match several combinations of moves; their hidden images are united, so that a
+    belief always contains the truth.
+    """
+    barred = 0 if standing is None else kinds.mask((standing,))
+    in_view = kinds.seen_from[view]
+
+    def choices(image: int) -> list[tuple[int, int]]:
+        unseen = image & ~in_view
+        return [*((kinds.cells[bit], 0) for bit in bits(image & in_view)), *([(-1, unseen)] if unseen else [])]
+
+    moved = [choices(kind.image(1 << kinds.bit[cell], barred)) for cell in seen]
+    unseen_before = len(kind.obstacles) - len(seen)
+    appearing = combinations_with_replacement(choices(kind.image(hidden, barred)), unseen_before)
+    hidden_after: dict[tuple[int, ...], int] = {}
+    for others in appearing:
+        for combination in product(*moved):
+            visible = tuple(sorted(cell for cell, _ in (*combination, *others) if cell >= 0))
+            image = reduce(or_, (mask for _, mask in (*combination, *others)), 0)
+            hidden_after[visible] = hidden_after.get(visible, 0) | image
+    return [
+        (visible, abstract(kinds, kind, mask, view) if mask else 0) for visible, mask in sorted(hidden_after.items())
+    ]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -15,36 +16,61 @@ from surefoot.compute import written_whole
 from surefoot.errors import InputError
 from surefoot.frames import Direction
 from surefoot.navigation.action_game import FineState
-from surefoot.navigation.navigation_game import Order
+from surefoot.navigation.navigation_rules import Order
 from surefoot.navigation.obstacles import ObstacleState
-
-Decision = tuple[int, int, tuple[int, ...], int, int]
-"""Cell, heading, visible cells, hidden mask, goal index."""
 
 NAVIGATION_ARRAYS = ("cell", "heading", "visible", "hidden", "goal", "order", "domain")
 ACTION_ARRAYS = ("row", "column", "heading", "stance", "mode", "context", "action")
 LARGEST_STRATEGY_BYTES = 2_000_000_000
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class NavigationStrategy:
-    """Which order to give, by what the robot knows.
+    """Which order to give, by what the robot knows: N decisions, the start first.
 
     Attributes:
-        orders: order codes by decision.
+        cell: (N,) the robot's cell.
+        heading: (N,) its heading.
+        state: (N,) index into ``states``.
+        goal: (N,) index of the goal pursued.
+        order: (N,) the order's code.
+        states: what is known of the obstacles.
         goals: cells, visited in this order for ever.
-        domain: cells of the obstacle domain, bit by bit.
-        obstacles: number of obstacles.
+        domain: cells that the masks of ``states`` speak of, bit by bit.
+        kinds: the numbers of the obstacles of each kind.
     """
 
-    orders: Mapping[Decision, int]
+    cell: NDArray[np.int32]
+    heading: NDArray[np.int8]
+    state: NDArray[np.int32]
+    goal: NDArray[np.int16]
+    order: NDArray[np.int8]
+    states: tuple[ObstacleState, ...]
     goals: tuple[int, ...]
     domain: tuple[int, ...]
-    obstacles: int
+    kinds: tuple[tuple[int, ...], ...]
+    _number: dict[ObstacleState, int] = field(init=False, repr=False)
+    _sorted: NDArray[np.int64] = field(init=False, repr=False)
+    _place: NDArray[np.int64] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        codes = self._code(self.cell.astype(np.int64), self.heading, self.state, self.goal)
+        place = np.argsort(codes, kind="stable")
+        object.__setattr__(self, "_number", {state: number for number, state in enumerate(self.states)})
+        object.__setattr__(self, "_sorted", codes[place])
+        object.__setattr__(self, "_place", place)
+
+    def _code(self, cell: Any, heading: Any, state: Any, goal: Any) -> Any:
+        return ((cell * 4 + heading) * len(self.states) + state) * len(self.goals) + goal
+
+    @property
+    def size(self) -> int:
+        """The number of decisions N."""
+        return len(self.order)
 
     def first_order(self) -> Order:
         """Return the order at the start, which is the first decision."""
-        return Order.of(next(iter(self.orders.values())))
+        return Order.of(int(self.order[0]))
 
     def advance(self, goal: int, cell: int) -> int:
         """Return the index of the next goal when a move, or the start, brings the robot into a cell."""
@@ -56,24 +82,29 @@ class NavigationStrategy:
         Raises:
             KeyError: if the strategy never comes there.
         """
-        return Order.of(self.orders[cell, int(heading), state.visible, state.hidden, goal])
+        code = self._code(cell, int(heading), self._number[state], goal)
+        found = int(np.searchsorted(self._sorted, code))
+        if found == len(self._sorted) or self._sorted[found] != code:
+            raise KeyError((cell, heading, state, goal))
+        return Order.of(int(self.order[self._place[found]]))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the arrays of ``navigation.npz``."""
-        rows = len(self.orders)
         width = (len(self.domain) + 7) // 8
-        visible = np.full((rows, self.obstacles), -1, np.int32)
-        hidden = np.zeros((rows, width), np.uint8)
-        for row, (_, _, cells, mask, _) in enumerate(self.orders):
-            visible[row, : len(cells)] = cells
-            hidden[row] = np.frombuffer(mask.to_bytes(width, "little"), np.uint8)
+        columns = np.cumsum([0, *map(len, self.kinds)])
+        visible = np.full((len(self.states), columns[-1]), -1, np.int32)
+        hidden = np.zeros((len(self.states), len(self.kinds), width), np.uint8)
+        for row, state in enumerate(self.states):
+            for kind, (cells, mask) in enumerate(zip(state.visible, state.hidden, strict=True)):
+                visible[row, columns[kind] : columns[kind] + len(cells)] = cells
+                hidden[row, kind] = np.frombuffer(mask.to_bytes(width, "little"), np.uint8)
         return {
-            "cell": np.array([key[0] for key in self.orders], np.int32),
-            "heading": np.array([key[1] for key in self.orders], np.int8),
-            "visible": visible,
-            "hidden": hidden,
-            "goal": np.array([key[4] for key in self.orders], np.int16),
-            "order": np.array(list(self.orders.values()), np.int8),
+            "cell": self.cell,
+            "heading": self.heading,
+            "visible": visible[self.state],
+            "hidden": hidden[self.state],
+            "goal": self.goal,
+            "order": self.order,
             "domain": np.array(self.domain, np.int32),
         }
 
@@ -109,26 +140,50 @@ def save_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
         np.savez_compressed(stream, allow_pickle=False, **arrays)
 
 
-def load_navigation_strategy(path: Path, goals: tuple[int, ...]) -> NavigationStrategy:
+def load_navigation_strategy(
+    path: Path, goals: tuple[int, ...], kinds: tuple[tuple[int, ...], ...]
+) -> NavigationStrategy:
     """Read ``navigation.npz``.
 
+    Args:
+        path: the file.
+        goals: cells, visited in this order.
+        kinds: the numbers of the obstacles of each kind.
+
     Raises:
-        InputError: if the file is not one.
+        InputError: if the file is not one, or not for these kinds of obstacles.
     """
     arrays = load_arrays(path, NAVIGATION_ARRAYS)
     visible, hidden = arrays["visible"], arrays["hidden"]
-    if visible.ndim != 2 or hidden.ndim != 2:
-        raise InputError("visible and hidden must be matrices, one row a decision", source=path)
-    keys = zip(
-        arrays["cell"].tolist(),
-        arrays["heading"].tolist(),
-        (tuple(cell for cell in row if cell >= 0) for row in visible.tolist()),
-        (int.from_bytes(row.tobytes(), "little") for row in hidden),
-        arrays["goal"].tolist(),
-        strict=True,
+    obstacles, width = sum(map(len, kinds)), (len(arrays["domain"]) + 7) // 8
+    if visible.shape[1:] != (obstacles,) or hidden.shape[1:] != (len(kinds), width) or not len(visible):
+        raise InputError(
+            f"visible must have {obstacles} columns and hidden {len(kinds)} x {width} bytes in every row, at least one",
+            source=path,
+        )
+    flat = np.hstack([visible.astype("<i4").view(np.uint8).reshape(len(visible), -1), hidden.reshape(len(hidden), -1)])
+    _, first, state = np.unique(flat, axis=0, return_index=True, return_inverse=True)
+    states = tuple(_state(visible[row].tolist(), hidden[row], kinds) for row in first.tolist())
+    return NavigationStrategy(
+        arrays["cell"],
+        arrays["heading"],
+        state.reshape(-1).astype(np.int32),
+        arrays["goal"],
+        arrays["order"],
+        states,
+        goals,
+        tuple(arrays["domain"].tolist()),
+        kinds,
     )
-    orders = dict(zip(keys, arrays["order"].tolist(), strict=True))
-    return NavigationStrategy(orders, goals, tuple(arrays["domain"].tolist()), visible.shape[1])
+
+
+def _state(visible: list[int], hidden: NDArray[np.uint8], kinds: tuple[tuple[int, ...], ...]) -> ObstacleState:
+    """Return an obstacle state from its row of a file."""
+    columns = iter(visible)
+    return ObstacleState(
+        tuple(tuple(cell for cell in islice(columns, len(kind)) if cell >= 0) for kind in kinds),
+        tuple(int.from_bytes(row.tobytes(), "little") for row in hidden),
+    )
 
 
 def load_action_strategy(path: Path) -> ActionStrategy:
