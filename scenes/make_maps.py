@@ -1,7 +1,8 @@
 """Draw the maps of the example scenes from pictures in characters: ``python scenes/make_maps.py [folder]``.
 
-'#' is occupied, '.' is free, one character per coarse cell, north at the top. A cell is 10 x 10 pixels, so that walls
-are whole pixels and cell borders lie on pixel borders. The lower-left corner of every map is the world's origin.
+'#' is occupied, '.' is free, 'o' has a box in the middle, a fifth of a cell wide; one character per coarse cell, north
+at the top. A cell is 10 x 10 pixels, so that walls are whole pixels and cell borders lie on pixel borders. The
+lower-left corner of every map is the world's origin.
 """
 
 from __future__ import annotations
@@ -11,6 +12,15 @@ from pathlib import Path
 
 PIXELS = 10
 OCCUPIED, FREE = 0, 254
+_MIDDLE = range(4, 6)
+PICTURES = {
+    "#": [[OCCUPIED] * PIXELS] * PIXELS,
+    ".": [[FREE] * PIXELS] * PIXELS,
+    "o": [
+        [OCCUPIED if row in _MIDDLE and column in _MIDDLE else FREE for column in range(PIXELS)]
+        for row in range(PIXELS)
+    ],
+}
 
 SCENES = {
     # The two rooms of Shamsah et al., T-RO 2023, Fig. 14, with a border of walls.
@@ -38,14 +48,42 @@ SCENES = {
         ########
         """,
     ),
+    # The smallest scene that is known in which it matters what the robot remembers of a hidden obstacle.
+    "blind_corner": (
+        2.7,
+        """
+        #######
+        ###...#
+        ##..#.#
+        ##....#
+        #######
+        """,
+    ),
+    # A laboratory of 6 x 6 cells of 1 m with four boxes, in a hall: Shamsah et al., IX-D. The cells along the walls are
+    # too near to them for a robot.
+    "laboratory": (
+        1.0,
+        """
+        ##########
+        #........#
+        #........#
+        #..o..o..#
+        #........#
+        #........#
+        #..o..o..#
+        #........#
+        #........#
+        ##########
+        """,
+    ),
 }
 
 
 def pgm(rows: list[str]) -> bytes:
     """Return a binary PGM picture of rows of characters."""
-    lines = [bytes(OCCUPIED if sign == "#" else FREE for sign in row for _ in range(PIXELS)) for row in rows]
+    lines = [bytes(value for sign in row for value in PICTURES[sign][line]) for row in rows for line in range(PIXELS)]
     header = f"P5\n{len(rows[0]) * PIXELS} {len(rows) * PIXELS}\n255\n"
-    return header.encode() + b"".join(line * PIXELS for line in lines)
+    return header.encode() + b"".join(lines)
 
 
 def yaml(name: str, cell_size_m: float) -> str:

@@ -103,6 +103,8 @@ def records(laps: int) -> Iterator[dict[str, Any]]:
         "seed": 7,
         "policy": "random",
         "steps": 1000,
+        "kinds": [[0]],
+        "breaks_assumptions": False,
     }
     walker = Walker()
     number = 0
@@ -140,9 +142,10 @@ def decision(turn: int) -> dict[str, Any]:
         "heading": HEADINGS[turn],
         "goal": 0 if turn < 3 else 1,
         "obstacles": [ahead],
-        "visible": [] if hidden else [ahead],
-        "hidden": hidden,
+        "visible": [[] if hidden else [ahead]],
+        "hidden": [hidden],
         "order": f"move {HEADINGS[(turn + 1) % 10]}",
+        "strategy": 0,
     }
 
 

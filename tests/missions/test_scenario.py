@@ -93,6 +93,16 @@ def test_belief_defaults_to_regions_when_there_are_some(tmp_path: Path) -> None:
     assert read(tmp_path, GOOD + "navigation: {belief: exact}").navigation.belief == "exact"
 
 
+def test_obstacles_have_a_speed_and_navigation_a_tracking(tmp_path: Path) -> None:
+    assert read(tmp_path).obstacles[0].speed_cells == 1
+    fast = read(tmp_path, changed("start_m: [1, 1],", "start_m: [1, 1], speed_cells: 3,"))
+    assert fast.obstacles[0].speed_cells == 3
+    assert fast.navigation.belief_tracking == "joint"
+    chosen = read(tmp_path, GOOD + "navigation: {belief: automatic, belief_precision: 0.5, belief_tracking: separate}")
+    assert (chosen.navigation.belief, chosen.navigation.belief_precision) == ("automatic", 0.5)
+    assert chosen.navigation.belief_tracking == "separate"
+
+
 def test_is_frozen_and_hashable(tmp_path: Path) -> None:
     scenario = read(tmp_path)
     with pytest.raises(ValueError, match="frozen"):
@@ -138,6 +148,13 @@ def test_all_problems_at_once_with_lines_and_keys(tmp_path: Path) -> None:
         ("goals: [{position_m: [3, 4]}, {position_m: [5, 6]}]", "goals: []", "7: goals: needs at least 1 item, not 0"),
         ("sensor: {range_m: 10.82}", "sensor: 10.82", "9: sensor: needs a mapping with keys among range_m, not 10.82"),
         ("[0, 0, 1, 1]", "[0, 0, 0, 1]", "8: obstacles[0].forbidden[0].rectangle_m: has no area"),
+        (
+            "start_m: [1, 1],",
+            "start_m: [1, 1], speed_cells: 4,",
+            "8: obstacles[0].speed_cells: needs a number not above 3",
+        ),
+        ("walking:", "navigation: {belief_tracking: both}\nwalking:", "14: navigation.belief_tracking: needs 'joint'"),
+        ("walking:", "navigation: {belief_precision: 1}\nwalking:", "14: navigation.belief_precision: is only for"),
         ("turn_angle_deg: 18", "turn_angle_deg: 20", "14: walking.turn_angle_deg: must divide 90"),
         ("turn_angle_deg: 18", "turn_a_cells: [4, 3]", "14: walking.turn_a_cells: needs 4 lengths"),
         ("[0.2, 7e-1]", "[0.7, 0.2]", "14: walking.apex_speed_mps: needs [least, most] with least below most"),

@@ -25,7 +25,7 @@ def plan(
 
     The plan holds an answer to every move that the obstacles may make. When
     there is no such plan, the answer names the goal that fails and from where,
-    and no folder is left behind.
+    shows a play in which the obstacles win, and no folder is left behind.
 
     Examples:
       surefoot plan my.yaml
@@ -46,7 +46,8 @@ def plan(
 def plan_lines(planned: PlanAnswer) -> list[str]:
     """Return what a person wants to know about a plan."""
     if not planned.realizable:
-        return ["Not realizable: no strategy wins.", f"  {planned.witness}", *_notes(planned.notes)]
+        play = ["How the obstacles win:", *(f"  {line}" for line in planned.play)] if planned.play else []
+        return ["Not realizable: no strategy wins.", f"  {planned.witness}", *play, *_notes(planned.notes)]
     head = f"Realizable{' and verified' if planned.verified else ', but NOT verified'}: {planned.out}"
     return [
         head,

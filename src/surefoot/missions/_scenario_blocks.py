@@ -100,6 +100,7 @@ class ObstacleBlock(Block):
     forbidden: Annotated[
         tuple[ForbiddenBlock, ...], Field(max_length=1000, description="where this obstacle never goes")
     ] = ()
+    speed_cells: Annotated[int, Field(ge=1, le=3, description="how many cells it moves in a turn at most")] = 1
 
 
 class SensorBlock(Block):
@@ -151,9 +152,24 @@ class NavigationBlock(Block):
         Literal["visible", "hidden"], Field(description="whether a line of sight may graze a blocked corner")
     ] = "visible"
     belief: Annotated[
-        Literal["regions", "exact", "single"] | None,
+        Literal["regions", "exact", "single", "automatic"] | None,
         Field(description="how precisely hidden obstacles are tracked; default: regions if there are some, else exact"),
     ] = None
+    belief_precision: Annotated[
+        float | None,
+        Field(ge=0, le=1, description="of automatic belief regions: 0 is coarsest, 1 is finest; default 0.25"),
+    ] = None
+    belief_tracking: Annotated[
+        Literal["joint", "separate"],
+        Field(description="whether obstacles with the same domain and speed are interchangeable, or all told apart"),
+    ] = "joint"
+
+    @field_validator("belief_precision")
+    @classmethod
+    def _only_automatic(cls, precision: float | None, info: ValidationInfo) -> float | None:
+        if precision is not None and info.data.get("belief", "automatic") != "automatic":
+            raise ValueError("is only for belief: automatic")
+        return precision
 
 
 class WalkingBlock(Block):

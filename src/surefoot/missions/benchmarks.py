@@ -65,17 +65,23 @@ class Figure:
 
 
 def benchmarks(which: str, say: Say = lambda _: None) -> tuple[Figure, ...]:
-    """Measure one part or all.
+    """Measure one part or all; ``missions``, which takes a quarter of an hour, only when it is asked for.
 
     Args:
-        which: ``all`` or one of ``walking``, ``navigation``, ``action``, ``mission``.
+        which: ``all`` or one of ``walking``, ``navigation``, ``action``, ``mission``, ``missions``.
         say: is told what is measured.
     """
-    parts = {"walking": _walking, "navigation": _navigation, "action": _action, "mission": _mission}
+    parts = {
+        "walking": _walking,
+        "navigation": _navigation,
+        "action": _action,
+        "mission": _mission,
+        "missions": _missions,
+    }
     if which != "all" and which not in parts:
         raise InputError(f"no benchmark {which!r}; there are all, {', '.join(parts)}")
     with tempfile.TemporaryDirectory(prefix="surefoot-bench-") as name:
-        chosen = parts.values() if which == "all" else (parts[which],)
+        chosen = [part for title, part in parts.items() if which == title or (which == "all" and title != "missions")]
         return tuple(figure for part in chosen for figure in part(Path(name), say))
 
 
@@ -100,7 +106,7 @@ def _navigation(folder: Path, say: Say) -> Iterator[Figure]:
     paper = "slugs 67-190 s CPU without the collision guarantee, none in 543 s with it"
     yield Figure("two-room game: build, solve, strategy", seconds, "s", 0.3, "at most", paper)
     say("planning in a process of its own")
-    elapsed_s, peak_mb = _process(["plan", str(scene_path(SCENE)), "-o", str(folder / "process"), "--json"])
+    elapsed_s, peak_mb = whole_process(["plan", str(scene_path(SCENE)), "-o", str(folder / "process"), "--json"])
     yield Figure("surefoot plan, whole process", elapsed_s, "s", 3.0, "at most", "")
     yield Figure("surefoot plan, peak memory", peak_mb, "MB", 300.0, "at most", "")
 
@@ -141,6 +147,12 @@ def _mission(folder: Path, say: Say) -> Iterator[Figure]:
         yield Figure(f"{what} waypoint corrections", corrections, "", None, "at most", "22 in 500 steps")
 
 
+def _missions(folder: Path, say: Say) -> Iterator[Figure]:
+    from surefoot.missions.bench_missions import mission_figures
+
+    return mission_figures(folder, say)
+
+
 def _plan(folder: Path, say: Say) -> Path:
     """Plan the scene once and return the plan's folder."""
     from surefoot.missions.planning import plan_mission
@@ -169,7 +181,7 @@ def _median(work: Callable[[], object]) -> float:
     return statistics.median(times)
 
 
-def _process(arguments: list[str]) -> tuple[float, float]:
+def whole_process(arguments: list[str]) -> tuple[float, float]:
     """Run the command line in a new process and return its time [s] and its largest resident size [MB]."""
     command = [sys.executable, "-c", "import sys; from surefoot.cli import main; sys.exit(main())", *arguments]
     begin = time.perf_counter()

@@ -17,14 +17,14 @@ from surefoot.errors import InputError
 from surefoot.frames import Foot
 from surefoot.missions.biped_scene import BipedScene, read_biped_scene
 from surefoot.missions.biped_walk import BipedWalk
-from surefoot.missions.obstacle_policies import (
-    Adversary,
-    Policy,
-    Script,
-    random_policy,
-)
+from surefoot.missions.navigator import Navigator
+from surefoot.missions.obstacle_bodies import bodies_of
+from surefoot.missions.obstacle_policies import Adversary, Crowd, random_policies
+from surefoot.missions.obstacle_scripts import read_script
 from surefoot.missions.plan_reader import BipedPlan, read_plan
 from surefoot.missions.plan_writer import reference
+from surefoot.missions.pushes import Pusher, PushSource
+from surefoot.missions.replanning import replanned
 from surefoot.missions.run_writer import RunWriter
 from surefoot.navigation import Action, apply_action, deviations, standing_start
 from surefoot.verify import Report, verify_path
@@ -50,6 +50,16 @@ class RunAnswer:
         unsafe_steps: steps for which no candidate satisfied the theorems.
         turns: quarter turns that were completed.
         waypoint_corrections: steps that shifted their waypoint sideways.
+        belief_violations: turns at which an obstacle that the robot did not see was outside its belief.
+        assumption_violations: assumptions of the obstacles that the robot saw broken.
+        replans: how often the mission was planned again.
+        replan_ms_max: the longest time that planning again took [ms].
+        reactions: how many legs between goals were walked straight (``direct``), around to see (``loop``), or with
+            stops to wait (``wait``).
+        pushes: jumps of the CoM's velocity.
+        recovered_in_region: pushes that the law of the controllable region recovered within the step.
+        recovered_by_step: pushes that the placement of a foot recovered.
+        falls: pushes that nothing recovered, or soon after which no step was safe.
         sign_alternation_share: share of the steps that satisfy Prop. V.1 (ii).
         plan_ms_mean: time to decide one step [ms], action and keyframe decision included.
         plan_ms_p95: its 95th percentile.
@@ -65,6 +75,15 @@ class RunAnswer:
     unsafe_steps: int
     turns: int
     waypoint_corrections: int
+    belief_violations: int
+    assumption_violations: int
+    replans: int
+    replan_ms_max: float
+    reactions: dict[str, int]
+    pushes: int
+    recovered_in_region: int
+    recovered_by_step: int
+    falls: int
     sign_alternation_share: float
     plan_ms_mean: float
     plan_ms_p95: float
@@ -76,7 +95,8 @@ class RunAnswer:
     @property
     def succeeded(self) -> bool:
         """Return whether every goal was reached safely and the log was verified."""
-        return self.verified and min(self.goals_reached) > 0 and not self.collisions and not self.unsafe_steps
+        safe = not self.collisions and not self.unsafe_steps and not self.falls
+        return self.verified and min(self.goals_reached) > 0 and safe
 
 
 def run_mission(
@@ -88,6 +108,7 @@ def run_mission(
     obstacle: str,
     out: Path | str,
     script: Path | str | None = None,
+    pushes: PushSource | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> RunAnswer:
     """Walk a plan for a number of steps and have the log verified.
@@ -96,10 +117,11 @@ def run_mission(
         scenario_path: the scenario that the plan was made for.
         plan_dir: the plan folder.
         steps: walking steps.
-        seed: of the obstacle's choices.
-        obstacle: "random", "adversarial" or "scripted".
-        script: the script of a scripted obstacle.
+        seed: of the obstacles' choices.
+        obstacle: how obstacles move: "random", "adversarial" or "scripted".
+        script: the script of scripted obstacles.
         out: the run folder.
+        pushes: on the robot; None for none.
         progress: is told what happens.
 
     Raises:
@@ -108,9 +130,12 @@ def run_mission(
     scenario_path, plan_dir, out = Path(scenario_path), Path(plan_dir), Path(out)
     scene = read_biped_scene(scenario_path)
     plan = read_plan(plan_dir, scene)
-    policy = _policy(obstacle, scene, seed, None if script is None else Path(script))
+    crowd = _crowd(obstacle, scene, seed, None if script is None else Path(script))
     progress("preparing the keyframe decision maker (the first run ever compiles it)")
     _warm_up(scene, plan)
+    if crowd.lawless:
+        problem = scene.problem
+        replanned(problem, 0, problem.start, problem.heading, 0, problem.start, plan.navigation.states[0].visible)
     with RunWriter(out) as writer:
         writer.write(
             "header",
@@ -124,19 +149,33 @@ def run_mission(
             seed=seed,
             policy=obstacle,
             steps=steps,
+            kinds=[kind.obstacles for kind in scene.problem.obstacle_kinds],
+            breaks_assumptions=crowd.lawless,
+            pushes=None if pushes is None else pushes.described(out),
         )
-        walk = BipedWalk(scene, plan, policy, writer, steps, progress)
+        navigator = Navigator(scene, plan.navigation, crowd, writer, progress)
+        pusher = Pusher(pushes)
+        walk = BipedWalk(scene, plan, navigator, writer, steps, progress, pusher)
         walk.run()
     progress("verifying the log")
     report = verify_path(out)
     times = walk.decision_ms or [0.0]
     return RunAnswer(
         steps=walk.steps,
-        goals_reached=tuple(walk.goals_reached),
+        goals_reached=tuple(navigator.goals_reached),
         collisions=_count(report, "collisions"),
         unsafe_steps=walk.unsafe_steps,
         turns=walk.turns_completed,
         waypoint_corrections=walk.corrections,
+        belief_violations=navigator.counts.belief_violations,
+        assumption_violations=navigator.counts.assumption_violations,
+        replans=navigator.counts.replans,
+        replan_ms_max=navigator.counts.replan_ms_max,
+        reactions=navigator.counts.reactions,
+        pushes=pusher.pushes,
+        recovered_in_region=pusher.recovered["region"],
+        recovered_by_step=pusher.recovered["step"],
+        falls=pusher.falls,
         sign_alternation_share=walk.alternating / max(1, walk.steps),
         plan_ms_mean=statistics.fmean(times),
         plan_ms_p95=float(np.percentile(times, 95)),
@@ -166,15 +205,18 @@ def _count(report: Report, name: str) -> int:
     return count if isinstance(count, int) else 0
 
 
-def _policy(name: str, scene: BipedScene, seed: int, script: Path | None) -> Policy:
+def _crowd(name: str, scene: BipedScene, seed: int, script: Path | None) -> Crowd:
+    """Return the obstacles and how they move."""
     if name not in POLICIES:
         raise InputError(f"no obstacle policy {name!r}; there are {', '.join(POLICIES)}", key="obstacle")
     if (name == "scripted") != (script is not None):
-        raise InputError("a scripted obstacle needs a script, and only a scripted one has it", key="script")
+        raise InputError("scripted obstacles need a script, and only scripted ones have it", key="script")
+    bodies = bodies_of(scene.problem)
     if script is not None:
-        if not scene.problem.obstacle_starts:
+        if not bodies:
             raise InputError("the scenario has no obstacle to follow a script", key="script")
-        return Script(script, scene.grid, scene.problem.domain, scene.problem.obstacle_starts[0])
+        tours = read_script(script, scene.grid, bodies)
+        return Crowd(bodies, tours.policies(), lawless=tours.breaks_assumptions)
     if name == "random":
-        return random_policy(seed)
-    return Adversary(scene.coarse, scene.problem.domain, seed)
+        return Crowd(bodies, random_policies(seed, len(bodies)))
+    return Crowd(bodies, tuple(Adversary(scene.coarse, body, seed + number) for number, body in enumerate(bodies)))

@@ -12,7 +12,15 @@ from pathlib import Path
 from surefoot.errors import InputError
 from surefoot.frames import Cell, Direction
 from surefoot.missions.scenario import Scenario, read_scenario
-from surefoot.navigation import BeliefKind, CoarseMap, NavigationProblem, coarse_map
+from surefoot.navigation import (
+    BeliefKind,
+    CoarseMap,
+    NavigationProblem,
+    Obstacle,
+    automatic_regions,
+    coarse_map,
+)
+from surefoot.navigation.automatic_regions import PRECISION
 from surefoot.robots import Biped, biped
 from surefoot.walking import StepLibrary, WalkingParameters, step_library, walking_parameters
 from surefoot.world import (
@@ -88,10 +96,15 @@ def read_biped_scene(path: Path) -> BipedScene:
             unknown=scenario.grid.unknown,
             inflation_m=inflated_m,
         )
-        heights = make_heights(grid, walking.fine_cells, _floors(scenario), _stairs(scenario))
+        heights = scenario_heights(scenario, grid, walking.fine_cells)
         coarse = coarse_map(grid, heights, scenario.sensor.range_m, scenario.navigation.corners)
         problem = _problem(scenario, coarse, inflated_m)
     return BipedScene(path, scenario, occupancy, robot, walking, library, coarse, problem)
+
+
+def scenario_heights(scenario: Scenario, grid: CoarseGrid, fine_cells: int) -> HeightMap:
+    """Return the heights of a scenario's floors and stairs on its grid."""
+    return make_heights(grid, fine_cells, _floors(scenario), _stairs(scenario))
 
 
 def inflation_m(walking: WalkingParameters, robot: Biped) -> float:
@@ -143,21 +156,37 @@ def _problem(scenario: Scenario, coarse: CoarseMap, inflated_m: float) -> Naviga
     )
     for number, goal in enumerate(goals):
         _check_reachable(coarse, start, goal, f"goals[{number}].position_m")
-    obstacles, forbidden = _obstacles(scenario, grid, start, inflated_m)
-    regions = _regions(scenario, grid)
-    enterable = sum(grid.index(cell) not in forbidden for cell in grid.free_cells())
-    by_size: BeliefKind = "exact" if enterable <= MOST_CELLS_FOR_EXACT_BELIEF else "single"
+    obstacles = _obstacles(scenario, grid, start, inflated_m)
+    belief, regions = _belief(scenario, coarse, obstacles)
     return NavigationProblem(
         coarse=coarse,
         start=grid.index(start),
         heading=Direction[scenario.start.heading.upper()],
         goals=tuple(map(grid.index, goals)),
-        obstacle_starts=tuple(map(grid.index, obstacles)),
-        forbidden=forbidden,
+        obstacles=obstacles,
         regions=regions,
-        belief=scenario.navigation.belief or ("regions" if regions else by_size),
+        belief=belief,
         view=scenario.navigation.view,
+        belief_tracking=scenario.navigation.belief_tracking,
     )
+
+
+def _belief(
+    scenario: Scenario, coarse: CoarseMap, obstacles: tuple[Obstacle, ...]
+) -> tuple[BeliefKind, tuple[frozenset[int], ...]]:
+    """Return how hidden obstacles are tracked, and the belief regions."""
+    asked = scenario.navigation
+    regions = _regions(scenario, coarse.grid)
+    if asked.belief == "automatic":
+        precision = PRECISION if asked.belief_precision is None else asked.belief_precision
+        return "regions", automatic_regions(coarse, obstacles, precision)
+    if asked.belief is not None:
+        return asked.belief, regions
+    if regions:
+        return "regions", regions
+    cells = len(coarse.grid.free_cells())
+    few = all(cells - len(obstacle.forbidden) <= MOST_CELLS_FOR_EXACT_BELIEF for obstacle in obstacles)
+    return "exact" if len(obstacles) <= 1 and few else "single", regions
 
 
 def _free_cell(grid: CoarseGrid, position_m: tuple[float, float], key: str, inflated_m: float) -> Cell:
@@ -240,27 +269,22 @@ def separating_cells(grid: CoarseGrid, start: Cell, goal: Cell) -> tuple[Cell, .
     return tuple(cell for cell in reversed(way) if not grid.is_free(cell))
 
 
-def _obstacles(
-    scenario: Scenario, grid: CoarseGrid, start: Cell, inflated_m: float
-) -> tuple[tuple[Cell, ...], frozenset[int]]:
-    """Return where the obstacles start and which cells they never enter."""
-    if len(scenario.obstacles) > 1:
-        raise InputError(
-            f"{len(scenario.obstacles)} obstacles are given; at most one is allowed so far", key="obstacles"
-        )
-    cells: list[Cell] = []
-    never_entered = frozenset[int]()
+def _obstacles(scenario: Scenario, grid: CoarseGrid, start: Cell, inflated_m: float) -> tuple[Obstacle, ...]:
+    """Return where the obstacles start, which cells they never enter, and how fast they are."""
+    found: list[Obstacle] = []
     for number, obstacle in enumerate(scenario.obstacles):
         key = f"obstacles[{number}].start_m"
         cell = _free_cell(grid, obstacle.start_m, key, inflated_m)
         rectangles: list[Rectangle] = [area.rectangle_m for area in obstacle.forbidden]
-        never_entered = frozenset(grid.index(place) for area in rectangles for place in grid.wholly_inside(area))
-        if grid.index(cell) in never_entered:
+        never = frozenset(
+            grid.index(place) for area in rectangles for place in grid.wholly_inside(area) if grid.is_free(place)
+        )
+        if grid.index(cell) in never:
             raise InputError(f"the cell {tuple(cell)} is forbidden to this obstacle; start it outside", key=key)
         if cell == start:
             raise InputError(f"the cell {tuple(cell)} is the robot's; start the obstacle in another", key=key)
-        cells.append(cell)
-    return tuple(cells), never_entered
+        found.append(Obstacle(grid.index(cell), never, obstacle.speed_cells))
+    return tuple(found)
 
 
 def _regions(scenario: Scenario, grid: CoarseGrid) -> tuple[frozenset[int], ...]:

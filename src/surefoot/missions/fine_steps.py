@@ -9,6 +9,7 @@ from surefoot.frames import Foot, heading_yaw_rad
 from surefoot.missions.biped_scene import BipedScene
 from surefoot.navigation import STOP_ORDER, Action, ActionRules, FineState, Mode, apply_action, deviations
 from surefoot.walking import StepCommand, StepKind
+from surefoot.world.flights import CLEARANCE_M
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ class FineSteps:
             heading_change_rad=-turned * self._turn_rad,
             height_change_m=nominal.height_change_m,
             last_turn_step=turned != 0 and nominal.state.mode == Mode.WALKING,
-            next_heading_changes_rad=self._next_changes(nominal.state, achieved=nominal.achieved),
+            next_heading_changes_rad=self.next_changes(nominal.state, achieved=nominal.achieved),
             sagittal_outcomes_cells=deviations(tables, state, action).sagittal,
         )
 
@@ -53,7 +54,7 @@ class FineSteps:
         done = (-state.heading if left else state.heading) % tables.turn_steps
         return (walking.turn_a_cells if state.mode in (Mode.LEFT_A, Mode.RIGHT_A) else walking.turn_b_cells)[done]
 
-    def _next_changes(self, state: FineState, *, achieved: bool) -> tuple[float, ...]:
+    def next_changes(self, state: FineState, *, achieved: bool) -> tuple[float, ...]:
         """Return the heading changes, left positive, that the action game may command in a state.
 
         When the order was achieved the next one is unknown, and any turn away from the stance foot may come.
@@ -96,6 +97,19 @@ class FineSteps:
         point = self.scene.grid.to_grid(point_m[:2])
         reach = self.scene.walking.fine_cell_m / 2 + 1e-6
         return bool(abs(point[0] - center[0]) <= reach and abs(point[1] - center[1]) <= reach)
+
+    def stands(
+        self, foot_m: tuple[float, float, float], waypoint_m: tuple[float, float, float], yaw_rad: float
+    ) -> bool:
+        """Return whether the floor is level around a foot that stands ahead of its waypoint or behind it."""
+        cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
+        ahead = cos * (foot_m[0] - waypoint_m[0]) + sin * (foot_m[1] - waypoint_m[1])
+        if abs(ahead) < 1e-6:
+            return True
+        grid, heights = self.scene.grid, self.scene.heights
+        reach = CLEARANCE_M + 0.5 * self.scene.walking.fine_cell_m
+        places = [(foot_m[0] + side * reach * cos, foot_m[1] + side * reach * sin) for side in (-1, 0, 1)]
+        return all(abs(heights.height_at(grid, place) - foot_m[2]) < 1e-6 for place in places)
 
 
 def _signed(difference: int, headings: int) -> int:

@@ -62,8 +62,9 @@ def read_plan(folder: Path, scene: BipedScene) -> BipedPlan:
                 f"surefoot plan {scene.path} -o {folder}",
                 source=path,
             )
+    kinds = tuple(kind.obstacles for kind in scene.problem.obstacle_kinds)
     return BipedPlan(
-        load_navigation_strategy(folder / "navigation.npz", scene.problem.goals),
+        load_navigation_strategy(folder / "navigation.npz", scene.problem.goals, kinds),
         load_action_strategy(folder / "action.npz"),
         action_rules(scene.coarse, scene.library),
         start,

@@ -18,6 +18,7 @@ from surefoot.compute import sha256_of, write_text_whole
 from surefoot.errors import InputError
 from surefoot.frames import Direction
 from surefoot.missions.biped_scene import BipedScene
+from surefoot.missions.obstacle_bodies import bodies_of
 from surefoot.missions.plan_document import read_plan_document
 from surefoot.navigation import (
     STOP_ORDER,
@@ -100,8 +101,18 @@ def _scene(scene: BipedScene, start: FineStart) -> dict[str, Any]:
         },
         "goals": cells(problem.goals),
         "obstacles": [
-            {"start": list(grid.cell(cell)), "domain": cells(problem.domain.cells)} for cell in problem.obstacle_starts
+            {
+                "start": list(grid.cell(body.start)),
+                "domain": cells(body.domain),
+                "speed_cells": body.kind.speed_cells,
+            }
+            for body in bodies_of(problem)
         ],
+        "belief": {
+            "abstraction": problem.belief,
+            "regions": [cells(sorted(region)) for region in problem.regions] if problem.belief == "regions" else [],
+        },
+        "kinds": [list(kind.obstacles) for kind in problem.obstacle_kinds],
     }
 
 

@@ -46,6 +46,7 @@ class PlanAnswer:
         peak_mb: largest resident size of the process [MB].
         verified: whether the independent checkers accepted the saved plan.
         witness: why the scenario is unrealizable, if it is.
+        play: how the obstacles keep the robot from its goals, a sentence a turn, if they can.
         notes: what the user should know about the plan.
         out: the plan folder, None when there is none.
     """
@@ -59,6 +60,7 @@ class PlanAnswer:
     peak_mb: float
     verified: bool
     witness: str | None
+    play: tuple[str, ...]
     notes: tuple[str, ...]
     out: Path | None
 
@@ -125,6 +127,7 @@ def _solved(scene: BipedScene, out: Path, progress: Progress, deadline: Deadline
         peak_mb=peak_memory_mb(),
         verified=not reasons,
         witness="; ".join(reasons) or None,
+        play=() if navigation_verdict.witness is None else navigation_verdict.witness.play,
         notes=tuple(notes),
         out=None if reasons else out,
     )

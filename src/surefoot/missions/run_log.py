@@ -42,11 +42,17 @@ class Header:
     seed: int
     policy: str
     steps: int
+    kinds: tuple[tuple[int, ...], ...]
+    breaks_assumptions: bool
+    pushes: dict[str, str | float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """A decision of the navigation strategy, before its steps; cells are (row, column)."""
+    """A decision, before its steps; cells are (row, column), ``visible`` and ``hidden`` per kind of obstacles.
+
+    ``strategy`` is 0 for the plan's, j for that of the j-th replan, -1 when no strategy is trusted.
+    """
 
     turn: int
     time_s: float
@@ -54,9 +60,10 @@ class Turn:
     heading: Compass
     goal: int
     obstacles: tuple[CellPair, ...]
-    visible: tuple[CellPair, ...]
-    hidden: tuple[CellPair, ...]
+    visible: tuple[tuple[CellPair, ...], ...]
+    hidden: tuple[tuple[CellPair, ...], ...]
     order: str
+    strategy: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +84,50 @@ class Outcome:
 
     sagittal: int
     lateral: int
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedStep:
+    """What a pushed step was to be."""
+
+    next_foot_m: Point
+    next_waypoint_m: Point
+    next_apex_speed_mps: float
+    first_half_s: float
+    second_half_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class StepPush:
+    """A push, and how the step went on; arcs are pairs (duration, omega)."""
+
+    time_s: float
+    jump_mps: Place
+    recovery: Literal["region", "step"]
+    window_mps: Place | None
+    omegas_before_switch: tuple[Place, ...]
+    omegas_after_switch: tuple[Place, ...]
+    put_off: bool
+    planned: PlannedStep
+
+
+@dataclass(frozen=True, slots=True)
+class FallPush:
+    """A push that nothing recovered."""
+
+    time_s: float
+    jump_mps: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Fall:
+    """The robot fell after a push; the pushed step has no record."""
+
+    step: int
+    time_s: float
+    reason: str
+    margin_mps: float
+    push: FallPush
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +173,38 @@ class Step:
     rest_s: float | None = None
     rest_com_m: Point | None = None
     closing_foot_m: Point | None = None
+    transition: Literal["nominal", "forward", "backward", "left", "right"] = "nominal"
+    moved_cells: CellPair = (0, 0)
+    next_side_speed_mps: float | None = None
+    push: StepPush | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """An assumption that the robot saw broken, before the turn of that number."""
+
+    turn: int
+    time_s: float
+    violation: Literal["collides", "forbidden", "jumps", "appears", "vanishes"]
+    kind: int
+    cell: CellPair | None
+
+
+@dataclass(frozen=True, slots=True)
+class Replan:
+    """A new navigation strategy, in force from the turn of that number on."""
+
+    turn: int
+    time_s: float
+    strategy: int
+    cell: CellPair
+    heading: Compass
+    goal: int
+    visible: tuple[tuple[CellPair, ...], ...]
+    hidden: tuple[tuple[CellPair, ...], ...]
+    domains: tuple[tuple[CellPair, ...], ...]
+    path: str
+    sha256: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,6 +236,9 @@ class Run:
         turns: decisions, in order.
         steps: walking steps, in order.
         unsafe: moments without a safe step.
+        falls: pushes that nothing recovered.
+        violations: assumptions that the robot saw broken, in order.
+        replans: new strategies, in order.
         end: None when the run was interrupted.
     """
 
@@ -161,6 +247,9 @@ class Run:
     turns: tuple[Turn, ...]
     steps: tuple[Step, ...]
     unsafe: tuple[Unsafe, ...]
+    falls: tuple[Fall, ...]
+    violations: tuple[Violation, ...]
+    replans: tuple[Replan, ...]
     end: End | None
 
     @property
@@ -169,8 +258,17 @@ class Run:
         return self.path.parent
 
 
-_RECORDS = {"header": Header, "turn": Turn, "step": Step, "unsafe": Unsafe, "end": End}
-for _type in (Reference, FinePlace, Outcome, *_RECORDS.values()):
+_RECORDS = {
+    "header": Header,
+    "turn": Turn,
+    "step": Step,
+    "unsafe": Unsafe,
+    "fall": Fall,
+    "violation": Violation,
+    "replan": Replan,
+    "end": End,
+}
+for _type in (Reference, FinePlace, Outcome, PlannedStep, StepPush, FallPush, *_RECORDS.values()):
     setattr(_type, "__pydantic_config__", ConfigDict(strict=True, allow_inf_nan=False, extra="ignore"))  # noqa: B010
 
 
@@ -201,6 +299,9 @@ def read_run(path: Path) -> Run:
         tuple(found[Turn]),
         tuple(found[Step]),
         tuple(found[Unsafe]),
+        tuple(found[Fall]),
+        tuple(found[Violation]),
+        tuple(found[Replan]),
         found[End][-1] if found[End] else None,
     )
 

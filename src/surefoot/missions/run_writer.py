@@ -22,6 +22,7 @@ class RunWriter:
 
     def __init__(self, folder: Path) -> None:
         path = folder / "run.jsonl"
+        self.folder = folder
         if folder.exists() and not folder.is_dir():
             raise InputError("is a file; name a folder for the run", source=folder)
         if folder.is_dir() and any(folder.iterdir()) and not path.is_file():

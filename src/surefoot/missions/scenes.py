@@ -6,6 +6,8 @@ from pathlib import Path
 
 from surefoot.compute import written_whole
 from surefoot.errors import InputError
+from surefoot.missions.scenario import read_scenario
+from surefoot.world import read_occupancy_map
 
 _SUFFIX = "_mission.yaml"
 
@@ -30,7 +32,9 @@ def scene_path(name: str) -> Path:
 def copy_scene(name: str, folder: Path) -> Path:
     """Copy a scene's scenario and map into a folder, and return the scenario there."""
     source = scene_path(name)
-    for path in (source, source.with_name(f"{name}.yaml"), source.with_name(f"{name}.pgm")):
+    scenario = read_scenario(source)
+    occupancy = read_occupancy_map(scenario.map_path, scenario.map_resolution_m)
+    for path in (source, occupancy.path, occupancy.image_path):
         with written_whole(folder / path.name) as stream:
             stream.write(path.read_bytes())
     return folder / source.name

@@ -47,12 +47,17 @@ def needs_trial(scene: BipedScene) -> bool:
 
 
 def trial_walks(
-    scene: BipedScene, rules: ActionRules, strategy: ActionStrategy, start: FineStart, first_context: int
+    scene: BipedScene,
+    rules: ActionRules,
+    strategy: ActionStrategy,
+    start: FineStart,
+    first_context: int,
+    walks: int = WALKS,
 ) -> Trial:
-    """Walk the action strategy under random orders, WALKS times STEPS steps."""
+    """Walk the action strategy under random orders, so many times STEPS steps."""
     walked = unsafe = 0
     reason = ""
-    for seed in range(WALKS):
+    for seed in range(walks):
         steps, stopped = _walk(scene, rules, strategy, start, first_context, random.Random(seed))  # noqa: S311
         walked += steps
         unsafe += stopped is not None

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from surefoot.walking.library import StepLibrary, TurnTemplate, step_library
     from surefoot.walking.parameters import WalkingParameters, walking_parameters
-    from surefoot.walking.planner import plan_step
+    from surefoot.walking.planner import apex_risk, plan_step
     from surefoot.walking.state import StepCommand, StepKind, Unsafe, WalkingState, standing_state
     from surefoot.walking.step import WalkingStep
     from surefoot.walking.trajectory import Trajectory, sample_trajectory
@@ -26,6 +26,7 @@ __all__ = [
     "WalkingParameters",
     "WalkingState",
     "WalkingStep",
+    "apex_risk",
     "plan_step",
     "sample_trajectory",
     "standing_state",
@@ -43,6 +44,7 @@ _HOMES = {
     "WalkingParameters": "parameters",
     "WalkingState": "state",
     "WalkingStep": "step",
+    "apex_risk": "planner",
     "plan_step": "planner",
     "sample_trajectory": "trajectory",
     "standing_state": "state",

@@ -11,9 +11,9 @@ from surefoot.walking.decision import Choice, Freedom, choose
 from surefoot.walking.double_support import rest_after, shift_duration_s
 from surefoot.walking.library import STOP_SPEED_MPS
 from surefoot.walking.parameters import WalkingParameters
-from surefoot.walking.risk import READY, STANDING, START_OFFSETS_M, WALKING, turn_node
+from surefoot.walking.risk import READY, STANDING, START_OFFSETS_M, WALKING, risk_at, turn_node
 from surefoot.walking.rulebook import Rulebook, rulebook
-from surefoot.walking.rules import REASONS, Apex, Rule
+from surefoot.walking.rules import REASONS, Apex, Rule, turned_speeds
 from surefoot.walking.state import StepCommand, StepKind, Unsafe, WalkingState
 from surefoot.walking.step import WalkingStep
 from surefoot.walking.step_frame import StepFrame
@@ -48,6 +48,7 @@ def plan_step(
         STOP_SPEED_MPS if starting else state.apex_speed_mps,
         float(state.stance.side),
         command.heading_change_rad,
+        state.side_speed_mps,
     )
     if starting:
         apex = apex._replace(com_m=0.0)
@@ -66,6 +67,23 @@ def plan_step(
     if not choice.found:
         return Unsafe(REASONS[Rule(choice.furthest)])
     return _finished(state, command, parameters, robot, frame, apex, choice, freedom, book, turn_step)
+
+
+def apex_risk(state: WalkingState, node: int, parameters: WalkingParameters, robot: Biped) -> float:
+    """Return how likely a state leads to a command that no step can follow safely (``risk``), from 0 to 1.
+
+    Args:
+        state: at an apex without lateral speed.
+        node: of the commands that may follow (``surefoot.walking.risk``).
+        parameters: of the walk.
+        robot: its pendulum.
+    """
+    cos, sin = math.cos(state.yaw_rad), math.sin(state.yaw_rad)
+    com, foot = (
+        state.stance.side * (cos * (place[1] - state.waypoint_m[1]) - sin * (place[0] - state.waypoint_m[0]))
+        for place in (state.com_m, state.stance_foot_m)
+    )
+    return float(risk_at(rulebook(parameters, robot).risks, node, com, foot - com, state.apex_speed_mps))
 
 
 def _next_node(command: StepCommand, state: WalkingState, turn_step: int, parameters: WalkingParameters) -> int:
@@ -89,13 +107,14 @@ def _freedom(command: StepCommand, apex: Apex, parameters: WalkingParameters, bo
     deviating = [command.length_m + e * cell for e in range(-most, most + 1) if e]
     lengths = [command.length_m, *(length for length in deviating if length > 0.5 * cell)]
     speeds = book.steering_speeds_mps if turning else book.speeds_mps
+    shifts = book.corrections_cells if command.last_turn_step else _NO_CORRECTION
     return Freedom(
         np.array(lengths),
         _STOP_SPEED if command.kind is StepKind.STOP else speeds,
         apex.foot_left_m - apex.side * START_OFFSETS_M
         if command.kind is StepKind.START
         else np.array([apex.com_left_m]),
-        book.corrections_cells if command.last_turn_step else _NO_CORRECTION,
+        shifts if command.shift_cells is None else np.array([command.shift_cells], np.int64),
     )
 
 
@@ -135,8 +154,7 @@ def _finished(
             return Unsafe("no double support after the stop keeps the centre of pressure between the feet")
     before = _offset(state)
     sagittal = round((length - command.length_m) / parameters.fine_cell_m)
-    speed = apex.speed_mps * math.cos(command.heading_change_rad)
-    side_speed = -apex.speed_mps * math.sin(command.heading_change_rad)
+    speed, side_speed = turned_speeds(apex)
     low, high = book.dy2_range_m
     return WalkingStep(
         yaw_rad=frame.yaw_rad,

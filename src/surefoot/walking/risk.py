@@ -32,7 +32,9 @@ _TOLERANCE = 1e-3
 _SWEEPS = 60
 _DY1_M = (-0.4, 0.52, 24)
 _DY2_M = (0.0, 0.345, 47)
-_SPEEDS = 6
+_SPEED_MPS = (0.05, 0.1)
+"""Between these the spacing of speeds follows the length of a fine cell [m/s per m]: the shorter the steps, the more a
+speed decides over how long they last, and with that over where the next foot comes to stand."""
 START_OFFSETS_M = np.arange(0.005, 0.15, 0.005)
 """Lateral distances of the CoM from the stance foot at the apex from which a robot starts."""
 
@@ -64,7 +66,8 @@ def risk_table(parameters: WalkingParameters, limits: Limits, straight: Aim, ste
     rows = _commands(parameters)
     first = np.searchsorted(rows[:, 0], np.arange(rows[-1, 0] + 2)).astype(np.int64)
     low, high = parameters.apex_speed_mps
-    axes = (_DY1_M, _DY2_M, (low, max(high, low + 0.01), _SPEEDS))
+    speed_mps = min(max(parameters.fine_cell_m, _SPEED_MPS[0]), _SPEED_MPS[1])
+    axes = (_DY1_M, _DY2_M, (low, max(high, low + 0.01), max(2, round((high - low) / speed_mps) + 1)))
     table = RiskTable(
         np.zeros((first.size - 1, *(count for _, _, count in axes))),
         (axes[0][0], axes[1][0], axes[2][0]),

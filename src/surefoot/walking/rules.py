@@ -20,7 +20,7 @@ from surefoot.walking.pendulum import (
     switch_position,
     switch_speed,
 )
-from surefoot.walking.theorems import apex_margin, heading_margin
+from surefoot.walking.theorems import apex_margin, heading_margin, orbits_margin, pushed_heading_margin
 
 SLACK = 1e-9  # margins have to exceed it, so that another rounding of the same numbers still finds them not negative
 
@@ -60,8 +60,8 @@ class Limits(NamedTuple):
 class Apex(NamedTuple):
     """The current apex in the frame of the step.
 
-    The speed is that along the heading before the turn; ``side`` is +1 when the left foot stands, -1 when the right one
-    does.
+    The speeds are those along the heading before the turn and to its left, where only a push leaves one; ``side`` is +1
+    when the left foot stands, -1 when the right one does.
     """
 
     com_m: float
@@ -71,6 +71,7 @@ class Apex(NamedTuple):
     speed_mps: float
     side: float
     heading_change_rad: float
+    side_speed_mps: float = 0.0
 
 
 class Candidate(NamedTuple):
@@ -95,19 +96,45 @@ def apex_from(dy1_m: float, dy2_m: float, speed_mps: float, side: float, heading
     """Return an apex above its waypoint, given sideways in the heading before the turn, in the frame after the turn."""
     cos, sin = math.cos(heading_change_rad), math.sin(heading_change_rad)
     foot = dy1_m + dy2_m
-    return Apex(sin * dy1_m, cos * dy1_m, sin * foot, cos * foot, speed_mps, side, heading_change_rad)
+    return Apex(sin * dy1_m, cos * dy1_m, sin * foot, cos * foot, speed_mps, side, heading_change_rad, 0.0)
+
+
+@njit(cache=True)
+def turned_speeds(apex: Apex) -> tuple[float, float]:
+    """Return the speeds at an apex along the heading after the turn, and to its left."""
+    cos, sin = math.cos(apex.heading_change_rad), math.sin(apex.heading_change_rad)
+    return apex.speed_mps * cos + apex.side_speed_mps * sin, apex.side_speed_mps * cos - apex.speed_mps * sin
+
+
+@njit(cache=True)
+def _heading_margin(apex: Apex, dy2_m: float, omega_radps: float) -> float:
+    """Return the margin of Theorem IV.2 at an apex; after a push the condition behind it for any velocity."""
+    if apex.side_speed_mps == 0.0:
+        return heading_margin(apex.speed_mps, dy2_m, apex.side, apex.heading_change_rad, omega_radps)
+    speed, side_speed = turned_speeds(apex)
+    ahead, aside = apex.foot_m - apex.com_m, apex.side * (apex.foot_left_m - apex.com_left_m)
+    return pushed_heading_margin(speed, apex.side * side_speed, ahead, aside, omega_radps)
+
+
+@njit(cache=True)
+def _apex_margin(apex: Apex, length_m: float, next_speed_mps: float, dy2_m: float, omega_radps: float) -> float:
+    """Return the margin of the condition on the speeds of two apexes."""
+    distance, turn = length_m - apex.com_m, apex.heading_change_rad
+    if apex.side_speed_mps == 0.0:
+        return apex_margin(apex.speed_mps, next_speed_mps, distance, dy2_m, apex.side, turn, omega_radps)
+    speed, _ = turned_speeds(apex)
+    return orbits_margin(speed, next_speed_mps, distance, length_m - apex.foot_m, omega_radps)
 
 
 @njit(cache=True)
 def sagittal_candidate(apex: Apex, length_m: float, next_speed_mps: float, limits: Limits) -> Candidate:
     """Check the sagittal rules of a candidate and find its switch; the lateral half stays open."""
     omega = limits.omega_radps
-    speed = apex.speed_mps * math.cos(apex.heading_change_rad)
+    speed, _ = turned_speeds(apex)
     dy2 = math.hypot(apex.foot_m - apex.com_m, apex.foot_left_m - apex.com_left_m)
-    if heading_margin(apex.speed_mps, dy2, apex.side, apex.heading_change_rad, omega) < SLACK:
+    if _heading_margin(apex, dy2, omega) < SLACK:
         return Candidate(1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    distance = length_m - apex.com_m
-    margin = apex_margin(apex.speed_mps, next_speed_mps, distance, dy2, apex.side, apex.heading_change_rad, omega)
+    margin = _apex_margin(apex, length_m, next_speed_mps, dy2, omega)
     if margin < SLACK:
         return Candidate(2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     at = switch_position(apex.com_m, speed, apex.foot_m, length_m, next_speed_mps, length_m, omega)
@@ -123,7 +150,7 @@ def sagittal_candidate(apex: Apex, length_m: float, next_speed_mps: float, limit
 def lateral_candidate(apex: Apex, com_left_m: float, sagittal: Candidate, limits: Limits) -> Candidate:
     """Complete a sagittal candidate with its lateral half; the CoM starts at ``com_left_m``."""
     omega = limits.omega_radps
-    speed = -apex.speed_mps * math.sin(apex.heading_change_rad)
+    _, speed = turned_speeds(apex)
     left, left_speed = propagate(com_left_m, speed, apex.foot_left_m, omega, sagittal.growth)
     foot, com = next_lateral_foot(left, left_speed, sagittal.next_growth, omega)
     broken = 0 if -apex.side * (foot - com) > SLACK else 4

@@ -29,6 +29,7 @@ class WalkingState:
         other_foot_lift_m: where it stood before it was lifted.
         standing: both feet carry the robot, which is at rest.
         turn_step: how many steps of a pending turn are done; 0 when no turn is pending.
+        side_speed_mps: of the CoM to the left of the heading; only a push leaves one.
     """
 
     waypoint_m: Point
@@ -42,6 +43,7 @@ class WalkingState:
     other_foot_lift_m: Point
     standing: bool
     turn_step: int = 0
+    side_speed_mps: float = 0.0
 
 
 class StepKind(Enum):
@@ -64,6 +66,7 @@ class StepCommand:
         last_turn_step: lateral corrections are allowed only there.
         next_heading_changes_rad: heading changes that may be commanded at the next apex, where the other foot stands.
         sagittal_outcomes_cells: by how many fine cells the planner may lengthen or shorten the step.
+        shift_cells: by how many fine cells the waypoint is moved to the left; None leaves it to the planner.
     """
 
     kind: StepKind
@@ -73,6 +76,7 @@ class StepCommand:
     last_turn_step: bool = False
     next_heading_changes_rad: tuple[float, ...] = (0.0,)
     sagittal_outcomes_cells: int = 0
+    shift_cells: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

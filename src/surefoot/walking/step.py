@@ -14,7 +14,7 @@ Place = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class WalkingStep:
-    """A walking step in map coordinates; the fields up to ``closing_foot_m`` are those of docs/formats.md, section 3.
+    """A walking step in map coordinates; those up to ``next_side_speed_mps`` as in docs/formats.md, section 3.
 
     Attributes:
         yaw_rad: heading of the step.
@@ -50,6 +50,7 @@ class WalkingStep:
         rest_s: stop only: how long the double support after the final apex lasts.
         rest_com_m: stop only: where the CoM comes to rest.
         closing_foot_m: stop only: where the other foot was set down.
+        next_side_speed_mps: after a push only: speed to the left of the heading that is left at the next apex.
         lateral_cells: correction of the next waypoint, left positive.
         sagittal_cells: deviation from the commanded length.
         turn_step: how many steps of a pending turn are done after the step; 0 when none is pending.
@@ -88,6 +89,7 @@ class WalkingStep:
     rest_s: float | None = None
     rest_com_m: Point | None = None
     closing_foot_m: Point | None = None
+    next_side_speed_mps: float | None = None
     lateral_cells: int = 0
     sagittal_cells: int = 0
     turn_step: int = 0
@@ -117,6 +119,7 @@ class WalkingStep:
             other_foot_lift_m=self.closing_foot_m if self.closing_foot_m is not None else self.foot_m,
             standing=stopped,
             turn_step=self.turn_step,
+            side_speed_mps=self.next_side_speed_mps or 0.0,
         )
 
     def record(self) -> dict[str, Any]:

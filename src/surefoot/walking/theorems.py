@@ -90,3 +90,35 @@ def apex_margin(
     if stance_side * heading_change_rad > 0:
         return turn_toward_margin(speed_mps, next_speed_mps, distance_m, dy2_m, turn, omega_radps)
     return turn_away_margin(speed_mps, next_speed_mps, distance_m, dy2_m, turn, omega_radps)
+
+
+@njit(cache=True)
+def pushed_heading_margin(
+    speed_mps: float, toward_mps: float, ahead_m: float, aside_m: float, omega_radps: float
+) -> float:
+    """Return the margin of the two conditions behind Theorem IV.2 for an apex that a push has left with any velocity.
+
+    The CoM must get over the foot when that lies ahead (Eq. 23), and must not cross over it sideways (Eq. 24).
+
+    Args:
+        speed_mps: along the heading after the turn.
+        toward_mps: sideways, toward the stance foot.
+        ahead_m: how far the stance foot is ahead of the CoM.
+        aside_m: how far it is aside, on its own side positive.
+        omega_radps: of the pendulum.
+    """
+    return min(speed_mps - omega_radps * max(ahead_m, 0.0), omega_radps * aside_m - toward_mps)
+
+
+@njit(cache=True)
+def orbits_margin(
+    speed_mps: float, next_speed_mps: float, distance_m: float, foot_distance_m: float, omega_radps: float
+) -> float:
+    """Return the margin of Eqs. (19)-(21) for an apex that need not be above its foot.
+
+    The orbits of both apexes meet between them: -omega^2 d^2 <= v_n^2 - v_c^2 <= omega^2 (d_f^2 - (d_f - d)^2), where d
+    runs from the CoM and d_f from the stance foot to the next apex.
+    """
+    gain = next_speed_mps**2 - speed_mps**2
+    most = omega_radps**2 * (foot_distance_m**2 - (foot_distance_m - distance_m) ** 2)
+    return min(most - gain, gain + omega_radps**2 * distance_m**2)

@@ -1,0 +1,112 @@
+"""An ensemble of pushed walks: what share of random pushes is recovered, by what, and at which size."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from surefoot.missions.biped import run_mission
+from surefoot.missions.planning import plan_mission
+from surefoot.missions.pushes import RandomPushes
+from surefoot.missions.scenes import scene_path
+
+SCENE = "two_rooms"
+SIZES_MPS = ((0.05, 0.0), (0.1, 0.0), (0.2, 0.0), (0.4, 0.0), (0.1, 0.025), (0.2, 0.05))
+"""Largest jumps ahead and sideways."""
+SEEDS = range(20)
+STEPS = 60
+_FELL = ("formats.md 3, pushes: the robot fell after a push", "rules.md 6, unsafe step")
+
+
+@dataclass(frozen=True, slots=True)
+class PushRow:
+    """What became of the pushes of one size.
+
+    Attributes:
+        size_mps: the largest jump ahead.
+        side_size_mps: the largest jump sideways.
+        pushes: how many there were.
+        in_region: recovered by the law of the controllable region.
+        by_step: recovered by the placement of a foot.
+        falls: not recovered, or no step was safe later on.
+        steps: walking steps.
+        walks: walks.
+        whole: walks without a fall.
+        refused: logs that the checker refuses for anything but a fall.
+    """
+
+    size_mps: float
+    side_size_mps: float
+    pushes: int
+    in_region: int
+    by_step: int
+    falls: int
+    steps: int
+    walks: int
+    whole: int
+    refused: int
+
+    def share(self, count: int) -> str:
+        """Return a count as a share of the pushes."""
+        return f"{100 * count / max(1, self.pushes):.1f} %"
+
+
+def push_ensemble(
+    sizes_mps: Iterable[tuple[float, float]] = SIZES_MPS,
+    seeds: Iterable[int] = SEEDS,
+    steps: int = STEPS,
+    plan_dir: Path | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> tuple[PushRow, ...]:
+    """Walk the two-room scene for every seed and size of push.
+
+    Args:
+        sizes_mps: largest jumps ahead and sideways.
+        seeds: of the walks.
+        steps: of a walk that nobody fells.
+        plan_dir: a plan of the scene; it is planned when none is given.
+        progress: is told what happens.
+    """
+    with tempfile.TemporaryDirectory(prefix="surefoot-pushes-") as name:
+        plan = plan_dir or Path(name) / "plan"
+        if plan_dir is None:
+            plan_mission(scene_path(SCENE), plan, progress)
+        return tuple(_row(size, side, tuple(seeds), steps, plan, Path(name), progress) for size, side in sizes_mps)
+
+
+def _row(
+    size: float,
+    side: float,
+    seeds: tuple[int, ...],
+    steps: int,
+    plan: Path,
+    folder: Path,
+    progress: Callable[[str], None],
+) -> PushRow:
+    progress(f"walking with pushes of up to {size:g} and {side:g} m/s")
+    runs = [
+        run_mission(
+            scene_path(SCENE),
+            plan,
+            steps=steps,
+            seed=seed,
+            obstacle="random",
+            out=folder / "run",
+            pushes=RandomPushes(seed, size, side),
+        )
+        for seed in seeds
+    ]
+    return PushRow(
+        size,
+        side,
+        pushes=sum(run.pushes for run in runs),
+        in_region=sum(run.recovered_in_region for run in runs),
+        by_step=sum(run.recovered_by_step for run in runs),
+        falls=sum(run.falls for run in runs),
+        steps=sum(run.steps for run in runs),
+        walks=len(runs),
+        whole=sum(run.falls == 0 for run in runs),
+        refused=sum(any(not finding.startswith(_FELL) for finding in run.findings) for run in runs),
+    )
