@@ -1,17 +1,19 @@
 """A slow, small planner for tests: it plays both games by the checker's own rules, and can be told to break some.
 
-It knows flat floors and at most one obstacle, and has no solver: fixpoints over sets of states, as they are defined.
+It knows flat floors; the games are solved in naive_games.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from naive_games import Moves, State, buchi, gr1, reached_from
 
 from surefoot.compute import sha256_of
 from surefoot.frames import Direction
@@ -27,9 +29,11 @@ from surefoot.verify.action_moves import (
     outcome_limits,
     rules_of,
 )
-from surefoot.verify.belief import Obstacle
+from surefoot.verify.assumption import Assumption
+from surefoot.verify.belief import Abstraction, Known, Obstacles, Turned, abstraction_of
 from surefoot.verify.claims import ORDERS, Claims
-from surefoot.verify.navigation import WAIT, Decision, order_allowed, start_decision, successors
+from surefoot.verify.decisions import WAIT, Decision
+from surefoot.verify.navigation import arrival, order_allowed, start_decision
 from surefoot.verify.scenario import HEADINGS, WALKING_KEYS, read_scenario
 from surefoot.verify.scene import Scene, derive_scene, fine_distance_m
 
@@ -38,11 +42,21 @@ Booking = Callable[[tuple[float, ...]], Any]
 
 @dataclass
 class Cheats:
-    """Which rules the naive planner breaks."""
+    """Which rules the naive planner breaks.
+
+    Attributes:
+        collisions: False drops the collision rule.
+        obstacles: the obstacles as the planner takes them, instead of the scene's.
+        booking: where the steps of a turn end.
+    """
 
     collisions: bool = True
-    narrow: Callable[[Obstacle, int], int] | None = None
+    obstacles: Callable[[Scene, Abstraction], Obstacles] = Obstacles
     booking: Booking = booked
+
+
+_ACTIONS: dict[tuple[Any, ...], dict[str, Any]] = {}
+"""Action strategies that were planned already; they do not depend on the obstacles."""
 
 
 def write_map(folder: Path, picture: list[str], pixels: int, resolution_m: float) -> Path:
@@ -66,7 +80,10 @@ def write_plan(scenario_path: Path, folder: Path, cheats: Cheats | None = None) 
     claims = _claims(scene, document)
     folder.mkdir(exist_ok=True)
     np.savez(folder / "navigation.npz", **_navigation(scene, claims, cheats))
-    np.savez(folder / "action.npz", **_action(scene, claims, cheats))
+    key = (claims.contexts, claims.fine, claims.heading, cheats.booking)
+    if key not in _ACTIONS:
+        _ACTIONS[key] = _action(scene, claims, cheats)
+    np.savez(folder / "action.npz", **_ACTIONS[key])
     write_document(folder, document)
     return folder
 
@@ -127,12 +144,31 @@ def _document(scene: Scene, scenario_path: Path, folder: Path) -> dict[str, Any]
             "moved_m": fine_distance_m(scene, start, fine, scenario.start_m),
         },
         "goals": [list(_cell_at(scene, goal)) for goal in scenario.goals_m],
-        "obstacles": [
-            {"start": list(_cell_at(scene, part.start_m)), "domain": [list(scene.cell(cell)) for cell in scene.domain]}
-            for part in scenario.obstacles
-        ],
+        "obstacles": _obstacles(scene),
+        "kinds": [list(kind.members) for kind in scene.obstacle_kinds],
+        "belief": {
+            "abstraction": _belief(scene).method,
+            "regions": [[list(scene.cell(cell)) for cell in sorted(region)] for region in _belief(scene).regions],
+        },
         "statistics": {},
     }
+
+
+def _obstacles(scene: Scene) -> list[dict[str, Any]]:
+    kind_of = {member: kind for kind in scene.obstacle_kinds for member in kind.members}
+    return [
+        {
+            "start": list(_cell_at(scene, part.start_m)),
+            "domain": [list(scene.cell(cell)) for cell in kind_of[number].domain],
+            "speed_cells": part.speed_cells,
+        }
+        for number, part in enumerate(scene.scenario.obstacles)
+    ]
+
+
+def _belief(scene: Scene) -> Abstraction:
+    """Return the scenario's abstraction; where the planner may choose, regions of the first cells of a domain."""
+    return abstraction_of(scene) or Abstraction("regions", (frozenset(scene.obstacle_kinds[0].domain[:3]),))
 
 
 def _named(path: Path, folder: Path) -> dict[str, str]:
@@ -160,7 +196,8 @@ def _claims(scene: Scene, document: dict[str, Any]) -> Claims:
         heading=scene.scenario.start_heading,
         fine=(start["fine"]["row"], start["fine"]["column"]),
         goals=tuple(tuple(goal) for goal in document["goals"]),
-        obstacle=tuple(document["obstacles"][0]["start"]) if document["obstacles"] else None,
+        obstacles=tuple(tuple(part["start"]) for part in document["obstacles"]),
+        belief=_belief(scene),
         walking={name: float(value) for name, value in walking.items() if not isinstance(value, list)},
         apex_speeds=tuple(walking["apex_speed_mps"]),
         straight=tuple(walking["straight_cells"]),
@@ -169,110 +206,62 @@ def _claims(scene: Scene, document: dict[str, Any]) -> Claims:
 
 
 def _navigation(scene: Scene, claims: Claims, cheats: Cheats) -> dict[str, Any]:
-    obstacle = Obstacle(scene)
-    if cheats.narrow is not None:
-        whole = obstacle.abstraction
-        narrow = cheats.narrow
-        obstacle.abstraction = lambda hidden, viewer: narrow(obstacle, whole(hidden, viewer))  # type: ignore[method-assign]
-    start = start_decision(scene, claims, obstacle)
-    moves: dict[Decision, dict[int, list[tuple[Decision, bool]]]] = {start: {}}
+    obstacles = cheats.obstacles(scene, claims.belief)
+    start = start_decision(scene, claims, obstacles)
+    moves: Moves = {start: {}}
+    turns: dict[tuple[Known, int, int, bool], Turned] = {}
     queue = [start]
     for decision in queue:
         for order in range(8):
-            if not order_allowed(scene, claims, decision, order):
+            if not order_allowed(scene, claims, decision.cell, decision.heading, order):
                 continue
-            lost, after = successors(scene, claims, obstacle, decision, order)
-            if lost and cheats.collisions:
+            cell, heading, goal, reached = arrival(scene, claims, decision, order)
+            meeting = (decision.known, decision.cell, cell, order >= WAIT)
+            if meeting not in turns:
+                turns[meeting] = obstacles.turn(*meeting[:3], waits=meeting[3])
+            turned = turns[meeting]
+            if turned.lost and cheats.collisions:
                 continue
+            after = [(Decision(cell, heading, known, goal), reached) for known in product(*turned.kinds)]
             moves[decision][order] = after
             for option, _ in after:
                 if option not in moves:
                     moves[option] = {}
                     queue.append(option)
-    orders = _gr1(moves, lambda decision, order: _broken(scene, obstacle, decision, order))
+    assumption = Assumption(obstacles)
+    orders = gr1(moves, lambda decision, order: _broken(scene, assumption, decision, order))
     assert start in orders, "the scenario of a test has to be realizable"
-    return _rows(scene, orders, _reached(start, lambda decision: [o for o, _ in moves[decision][orders[decision]]]))
+    return _rows(
+        obstacles, orders, reached_from(start, lambda decision: [o for o, _ in moves[decision][orders[decision]]])
+    )
 
 
-def _broken(scene: Scene, obstacle: Obstacle, decision: Decision, order: int) -> int:
+def _broken(scene: Scene, assumption: Assumption, decision: Decision, order: int) -> int:
     """Return which justice an order breaks, -1 for none."""
     if order < WAIT:
         return -1
     target = scene.target(scene.cell(decision.cell), Direction(order - WAIT))
-    return order - WAIT if obstacle.blocked(decision.known, decision.cell, scene.index(target)) else -1
+    return order - WAIT if assumption.blocked(decision.known, decision.cell, scene.index(target)) else -1
 
 
-def _gr1(
-    moves: dict[Decision, dict[int, list[tuple[Decision, bool]]]], broken: Callable[[Decision, int], int]
-) -> dict[Decision, int]:
-    """Return winning orders for: if each justice holds infinitely often, goals are reached infinitely often."""
-    winning = set(moves)
-    while True:
-        orders: dict[Decision, int] = {}
-        reached: set[Decision] = set()
-        while True:
-            grown = dict(orders)
-            for justice in range(4):
-                for decision, order in _waiting(moves, winning, reached, justice, broken).items():
-                    grown.setdefault(decision, order)
-            if len(grown) == len(orders):
-                break
-            orders = grown
-            reached = set(orders)
-        if reached == winning:
-            return orders
-        winning = reached
-
-
-def _waiting(
-    moves: dict[Decision, dict[int, list[tuple[Decision, bool]]]],
-    winning: set[Decision],
-    reached: set[Decision],
-    justice: int,
-    broken: Callable[[Decision, int], int],
-) -> dict[Decision, int]:
-    """Return from where the robot gets on, or waits while one justice is broken: a greatest fixpoint."""
-    kept = set(winning)
-    while True:
-        found: dict[Decision, int] = {}
-        for decision in kept:
-            for order, after in moves[decision].items():
-                waits = broken(decision, order) == justice
-                if all((goal and o in winning) or o in reached or (waits and o in kept) for o, goal in after):
-                    found[decision] = order
-                    break
-        if len(found) == len(kept):
-            return found
-        kept = set(found)
-
-
-def _reached(start: Any, after: Callable[[Any], Iterable[Any]]) -> list[Any]:
-    found = {start: None}
-    queue = [start]
-    for item in queue:
-        for option in after(item):
-            if option not in found:
-                found[option] = None
-                queue.append(option)
-    return queue
-
-
-def _rows(scene: Scene, orders: dict[Decision, int], decisions: list[Decision]) -> dict[str, Any]:
-    width = (len(scene.domain) + 7) // 8
-    seen = [[scene.domain[d.known.visible] if d.known.visible >= 0 else -1] for d in decisions]
-    hidden = b"".join(d.known.hidden.to_bytes(width, "little") for d in decisions)
+def _rows(obstacles: Obstacles, orders: dict[Decision, int], decisions: list[Decision]) -> dict[str, Any]:
+    width, count = (len(obstacles.domain) + 7) // 8, len(decisions)
+    seen, hidden = [], b""
+    for decision in decisions:
+        cells: list[int] = []
+        for kind, part in zip(obstacles.kinds, decision.known, strict=True):
+            cells += [*part.visible, *[-1] * (len(kind.members) - len(part.visible))]
+            hidden += sum(1 << obstacles.place[cell] for cell in part.hidden).to_bytes(width, "little")
+        seen.append(cells)
     return {
         "cell": np.array([d.cell for d in decisions], np.int32),
         "heading": np.array([d.heading for d in decisions], np.int8),
-        "visible": np.array(seen if scene.domain else [[]] * len(decisions), np.int32).reshape(len(decisions), -1),
-        "hidden": np.frombuffer(hidden, np.uint8).reshape(len(decisions), width),
+        "visible": np.array(seen, np.int32).reshape(count, sum(len(kind.members) for kind in obstacles.kinds)),
+        "hidden": np.frombuffer(hidden, np.uint8).reshape(count, len(obstacles.kinds), width),
         "goal": np.array([d.goal for d in decisions], np.int16),
         "order": np.array([orders[d] for d in decisions], np.int8),
-        "domain": np.array(scene.domain, np.int32),
+        "domain": np.array(obstacles.domain, np.int32),
     }
-
-
-State = tuple[Core, int]
 
 
 def _action(scene: Scene, claims: Claims, cheats: Cheats) -> dict[str, Any]:
@@ -288,7 +277,7 @@ def _action(scene: Scene, claims: Claims, cheats: Cheats) -> dict[str, Any]:
                 if option not in moves:
                     moves[option] = {}
                     queue.append(option)
-    actions = _buchi(moves)
+    actions = buchi(moves)
     assert all(state in actions for state in starts), "the fine grid of a test has to be realizable"
     states = list(actions)
     found = {
@@ -330,28 +319,6 @@ def _outcome(
     kind = int(rules.there[context] if crossed != NOWHERE else rules.here[context])
     last = int(crossed if crossed != NOWHERE else after[2] // rules.sizes[2])
     return [((wrapped, c), True) for c in range(len(rules.order)) if follows(rules, c, kind, last)]
-
-
-def _buchi(moves: dict[State, dict[int, list[tuple[State, bool]]]]) -> dict[State, int]:
-    """Return actions that achieve orders infinitely often."""
-    winning = set(moves)
-    while True:
-        actions: dict[State, int] = {}
-        while True:
-            grown = {}
-            for state in winning:
-                if state in actions:
-                    continue
-                for action, after in moves[state].items():
-                    if all((done and option in winning) or (not done and option in actions) for option, done in after):
-                        grown[state] = action
-                        break
-            if not grown:
-                break
-            actions.update(grown)
-        if len(actions) == len(winning):
-            return actions
-        winning = set(actions)
 
 
 def read_rows(folder: Path, name: str) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.verify import Report, verify_path
 from surefoot.verify.action_moves import booked
-from surefoot.verify.belief import Obstacle
+from surefoot.verify.belief import Known, Obstacles, Turned
 
 REGIONS = "belief_regions: [{rectangles_m: [[2, 0, 3, 3]]}]"
 
@@ -47,23 +47,28 @@ def test_dropped_collision_rule_is_refused(planned: Planner) -> None:
     assert "rules.md 4, collision" in rules(report)
 
 
-def without_lowest_cell(_: Obstacle, belief: int) -> int:
-    return belief & (belief - 1) or belief
+class Narrow(Obstacles):
+    """Leaves the first cell out of every hidden set."""
+
+    def turn(self, known: Known, robot: int, after: int, *, waits: bool) -> Turned:
+        turned = super().turn(known, robot, after, waits=waits)
+        kinds = (tuple(part._replace(hidden=part.hidden[1:] or part.hidden) for part in kind) for kind in turned.kinds)
+        return turned._replace(kinds=tuple(kinds))
 
 
 @pytest.mark.parametrize("extra", ["", REGIONS])
 def test_narrowed_belief_is_refused(planned: Planner, extra: str) -> None:
-    report = verify_path(planned(Cheats(narrow=without_lowest_cell), extra=extra))
+    report = verify_path(planned(Cheats(obstacles=Narrow), extra=extra))
     assert not report.accepted
     assert "rules.md 4, belief" in rules(report)
 
 
 def test_narrowed_row_is_refused(any_plan: Path) -> None:
     rows = read_rows(any_plan, "navigation.npz")
-    wide = np.unpackbits(rows["hidden"], axis=1).sum(axis=1) > 1
+    wide = np.unpackbits(rows["hidden"][:, 0], axis=1).sum(axis=1) > 1
     row = int(np.flatnonzero(wide)[0])
-    byte = int(np.flatnonzero(rows["hidden"][row])[0])
-    rows["hidden"][row, byte] &= rows["hidden"][row, byte] - 1
+    byte = int(np.flatnonzero(rows["hidden"][row, 0])[0])
+    rows["hidden"][row, 0, byte] &= rows["hidden"][row, 0, byte] - 1
     rewrite(any_plan, "navigation.npz", rows)
     report = verify_path(any_plan)
     assert "rules.md 4, belief" in rules(report)
@@ -113,6 +118,16 @@ CLAIMS = {
         "rules.md 2, profiles",
     ),
     "the obstacle's domain is cut": (lambda p: p["obstacles"][0]["domain"].pop(), "rules.md 4, obstacle domain"),
+    "the obstacle is faster": (lambda p: p["obstacles"][0].update(speed_cells=2), "formats.md 1, obstacles"),
+    "the kinds are others": (lambda p: p.update(kinds=[[0], []]), "rules.md 4, kinds"),
+    "the belief is another": (
+        lambda p: p["belief"].update(abstraction="single", regions=[]),
+        "rules.md 4, belief abstraction",
+    ),
+    "the regions are others": (
+        lambda p: p["belief"].update(abstraction="regions", regions=[p["grid"]["free"][:1]]),
+        "rules.md 4, belief abstraction",
+    ),
     "the obstacle starts elsewhere": (lambda p: p["obstacles"][0].update(start=[2, 4]), "formats.md 1, obstacles"),
     "a goal is another one": (lambda p: p["goals"].reverse(), "formats.md 1, goals"),
     "the start is elsewhere": (lambda p: p["start"].update(cell=[0, 1]), "formats.md 1, start"),
@@ -161,7 +176,7 @@ def test_robot_that_circles_without_its_goal_is_refused(planned: Planner) -> Non
         "cell": np.array(cells, np.int32),
         "heading": np.array(headings, np.int8),
         "visible": np.zeros((len(loop), 0), np.int32),
-        "hidden": np.zeros((len(loop), 0), np.uint8),
+        "hidden": np.zeros((len(loop), 0, 0), np.uint8),
         "goal": np.zeros(len(loop), np.int16),
         "order": np.array(orders, np.int8),
         "domain": np.zeros(0, np.int32),
@@ -235,7 +250,7 @@ def test_shorter_steps_on_stairs_are_refused(two_rooms_plan: Path) -> None:
     assert "rules.md 5, stairs" in rules(verify_path(copy))
 
 
-def test_second_obstacle_is_bad_input(naive_plan: Path) -> None:
+def test_plan_for_fewer_obstacles_is_bad_input(naive_plan: Path) -> None:
     scenario = naive_plan.parent / "scenario.yaml"
     scenario.write_text(scenario.read_text().replace("obstacles: [", "obstacles: [{start_m: [0.5, 0.5]}, "))
     change_document(naive_plan, lambda plan: plan["scenario"].update(sha256=sha256_of(scenario)))

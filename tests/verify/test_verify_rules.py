@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 
 from surefoot.frames import Direction
 from surefoot.verify.action_moves import booked
-from surefoot.verify.belief import Known, Obstacle, bits
 from surefoot.verify.footing import outside_m
-from surefoot.verify.graphs import can_reach, components, cyclic
+from surefoot.verify.graphs import can_reach, components, cyclic, reached_from
 from surefoot.verify.grid import disc_is_free, free_cells, lay_grid
 from surefoot.verify.motion import integrated, may_turn
 from surefoot.verify.scenario import read_scenario
-from surefoot.verify.scene import Scene, derive_scene
+from surefoot.verify.scene import derive_scene
 from surefoot.verify.sight import sight
 from surefoot.world.occupancy import OccupancyMap
 
@@ -64,6 +63,7 @@ def rows(nodes: int, edges: Edges) -> tuple[NDArray[np.int64], NDArray[np.int64]
     return first.astype(np.int64), np.array(targets, np.int64)
 
 
+@settings(deadline=None)
 @given(GRAPHS)
 def test_components_are_mutual_reachability(graph: tuple[int, Edges]) -> None:
     nodes, edges = graph
@@ -78,6 +78,7 @@ def test_components_are_mutual_reachability(graph: tuple[int, Edges]) -> None:
         assert loops[component[node]] == on_loop
 
 
+@settings(deadline=None)
 @given(GRAPHS, st.sets(st.integers(0, 8)))
 def test_can_reach_is_backward_reachability(graph: tuple[int, Edges], goals: set[int]) -> None:
     nodes, edges = graph
@@ -85,6 +86,13 @@ def test_can_reach_is_backward_reachability(graph: tuple[int, Edges], goals: set
     wanted = np.array([node in goals for node in range(nodes)])
     expected = (reached(nodes, edges) & wanted[None, :]).any(axis=1)
     assert (can_reach(first, targets, wanted) == expected).all()
+
+
+@settings(deadline=None)
+@given(GRAPHS)
+def test_reached_from_is_forward_reachability(graph: tuple[int, Edges]) -> None:
+    nodes, edges = graph
+    assert (reached_from(*rows(nodes, edges), 0) == reached(nodes, edges)[0]).all()
 
 
 def hides(eye: tuple[int, int], target: tuple[int, int], wall: tuple[int, int], closed: bool) -> bool:
@@ -177,63 +185,6 @@ def test_disc_may_touch_but_not_meet() -> None:
     assert not disc_is_free(floor, solid, (0.05, 0.5), 0.1)
 
 
-def scene_of(folder: Path, extra: str) -> Scene:
-    from naive_planner import write_map
-    from small_scene import OBSTACLE, PICTURE, SCENARIO
-
-    write_map(folder, PICTURE, pixels=10, resolution_m=0.1)
-    (folder / "scenario.yaml").write_text(SCENARIO.replace("OBSTACLES", OBSTACLE).replace("EXTRA", extra))
-    return derive_scene(read_scenario(folder / "scenario.yaml"))
-
-
-def test_beliefs_contain_the_hidden_image_and_nothing_seen(tmp_path: Path) -> None:
-    for extra in ("navigation: {belief: exact}", "navigation: {belief: single}", "navigation: {belief: regions}"):
-        obstacle = Obstacle(scene_of(tmp_path, extra))
-        for viewer in obstacle.domain:
-            unseen = ~obstacle.seen_from(viewer) & ((1 << len(obstacle.domain)) - 1)
-            for bit in bits(unseen):
-                belief = obstacle.abstraction(1 << bit, viewer)
-                assert belief >> bit & 1
-                assert belief & ~unseen == 0
-
-
-def test_single_is_wider_than_regions_and_regions_than_exact(tmp_path: Path) -> None:
-    kinds = ("exact", "regions\nbelief_regions: [{rectangles_m: [[2, 0, 3, 3]]}]", "single")
-    obstacles = []
-    for kind in kinds:
-        name, _, parts = kind.partition("\n")
-        obstacles.append(Obstacle(scene_of(tmp_path, f"navigation: {{belief: {name}}}\n{parts}")))
-    for viewer in obstacles[0].domain:
-        unseen = ~obstacles[0].seen_from(viewer) & ((1 << len(obstacles[0].domain)) - 1)
-        for bit in bits(unseen):
-            exact, regions, single = (obstacle.abstraction(1 << bit, viewer) for obstacle in obstacles)
-            assert exact & ~regions == 0
-            assert regions & ~single == 0
-
-
-def test_waiting_keeps_the_obstacle_out_and_moving_risks_it(tmp_path: Path) -> None:
-    obstacle = Obstacle(scene_of(tmp_path, ""))
-    robot, target = 0, 1
-    beside = Known(obstacle.place[2], 0)
-    waits = obstacle.outcomes(beside, robot, target, moves=False)
-    assert not waits.lost
-    assert obstacle.outcomes(beside, robot, target, moves=True).lost
-    beside = Known(obstacle.place[1], 0)
-    after = {known.visible for known in obstacle.outcomes(beside, robot, target, moves=False).known}
-    assert obstacle.place[0] not in after
-
-
-def test_blocked_needs_a_way_out_for_the_obstacle(tmp_path: Path) -> None:
-    scene = scene_of(tmp_path, "")
-    obstacle = Obstacle(scene)
-    near = Known(obstacle.place[scene.index((0, 2))], 0)
-    far = Known(obstacle.place[scene.index((2, 4))], 0)
-    here, there = scene.index((0, 0)), scene.index((0, 1))
-    assert obstacle.blocked(near, here, there)
-    assert not obstacle.blocked(far, here, there)
-    assert not obstacle.blocked(Known(obstacle.place[here], 0), here, there)
-
-
 def test_two_rooms_have_the_stairs_of_the_scenario(scenes: Path) -> None:
     scene = derive_scene(read_scenario(scenes / "two_rooms_mission.yaml"))
     assert (scene.frame.rows, scene.frame.columns) == (7, 12)
@@ -245,7 +196,7 @@ def test_two_rooms_have_the_stairs_of_the_scenario(scenes: Path) -> None:
     assert lower.admissible[:6] == (True, False, False, True, True, False)
     assert scene.terrain.passable((2, 7), Direction.EAST)
     assert not scene.terrain.passable((2, 6), Direction.NORTH)
-    assert len(scene.domain) == 19
+    assert [len(kind.domain) for kind in scene.obstacle_kinds] == [19]
 
 
 def test_theorem_iv_2_is_the_worked_example() -> None:

@@ -59,8 +59,8 @@ def teleport(records: Records) -> None:
 
 
 def narrow(records: Records) -> None:
-    hidden = next(record for record in records if record.get("hidden"))
-    hidden["hidden"].pop()
+    hidden = next(record for record in records if any(record.get("hidden", [])))
+    hidden["hidden"][0].pop()
 
 
 def conceal(records: Records) -> None:

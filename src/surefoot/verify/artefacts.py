@@ -24,7 +24,7 @@ NAVIGATION_ARRAYS = {
     "cell": ("int32", 1),
     "heading": ("int8", 1),
     "visible": ("int32", 2),
-    "hidden": ("uint8", 2),
+    "hidden": ("uint8", 3),
     "goal": ("int16", 1),
     "order": ("int8", 1),
     "domain": ("int32", 1),
@@ -83,8 +83,8 @@ def read_plan(folder: Path) -> PlanFile:
         scenario_path=scenario,
         map_path=floor,
         image_path=image,
-        navigation=_read_arrays(folder / "navigation.npz", NAVIGATION_ARRAYS, {"domain"}),
-        action=_read_arrays(folder / "action.npz", ACTION_ARRAYS, set()),
+        navigation=read_arrays(folder / "navigation.npz", NAVIGATION_ARRAYS, {"domain"}),
+        action=read_arrays(folder / "action.npz", ACTION_ARRAYS, set()),
     )
 
 
@@ -164,7 +164,7 @@ def _not_finite_at(text: str) -> tuple[int, str | None]:
     return text.count("\n", 0, end) + 1, key
 
 
-def _read_arrays(path: Path, shapes: Mapping[str, tuple[str, int]], apart: set[str]) -> Arrays:
+def read_arrays(path: Path, shapes: Mapping[str, tuple[str, int]], apart: set[str]) -> Arrays:
     """Return the arrays of an npz file; all but those ``apart`` have one length."""
     try:
         with zipfile.ZipFile(path) as archive:

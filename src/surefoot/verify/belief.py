@@ -1,189 +1,182 @@
-"""The obstacle as the robot knows it, transcribed from rules.md 4: images, abstraction, outcomes, assumption (c)."""
+"""The obstacles as the robot knows them, transcribed from rules.md 4: what is known at the start and after a turn."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
+from surefoot.errors import LimitExceeded
 from surefoot.frames import Direction
-from surefoot.verify.scene import Scene
+from surefoot.verify.belief_turn import (
+    EXACT,
+    REGIONS,
+    SINGLE,
+    WORD,
+    Field,
+    Ints,
+    abstraction,
+    image,
+    inserted,
+    listed,
+    places_of,
+    turn_of_kind,
+)
+from surefoot.verify.scenario import BY_SIZE
+from surefoot.verify.scene import ObstacleKind, Scene
 
 MOST_CELLS_FOR_EXACT = 40
+CODE_BITS = 62
+METHODS = {"exact": EXACT, "regions": REGIONS, "single": SINGLE}
 
 
-class Known(NamedTuple):
-    """What is known of the obstacle.
+class KindKnown(NamedTuple):
+    """What is known of the obstacles of one kind.
 
     Attributes:
-        visible: place of its cell in the domain, -1 when it is hidden.
-        hidden: bit mask over the domain of where it may be while hidden.
+        visible: cells of the visible ones, ascending.
+        hidden: cells where the hidden ones may be, ascending; empty when none is hidden.
     """
 
-    visible: int
-    hidden: int
-
-    @property
-    def possible(self) -> int:
-        """Return the mask of where the obstacle may be."""
-        return self.hidden if self.visible < 0 else 1 << self.visible
+    visible: tuple[int, ...]
+    hidden: tuple[int, ...]
 
 
-class Outcomes(NamedTuple):
-    """What a turn may lead to: whether a move is lost, and what may be known after it."""
+Known = tuple[KindKnown, ...]
+
+
+class Abstraction(NamedTuple):
+    """How hidden images are widened: a method among METHODS, and the regions, without the rest."""
+
+    method: str
+    regions: tuple[frozenset[int], ...]
+
+
+class Turned(NamedTuple):
+    """What a turn may lead to: whether a move is lost, and what may be known of each kind after it."""
 
     lost: bool
-    known: tuple[Known, ...]
+    kinds: tuple[tuple[KindKnown, ...], ...]
 
 
-class Obstacle:
-    """The obstacle of a scene; masks count the cells of its domain in ascending order."""
+def abstraction_of(scene: Scene) -> Abstraction | None:
+    """Return the belief abstraction that the scenario names; None when the planner chooses the regions."""
+    method = scene.scenario.belief
+    if method == BY_SIZE:
+        entered = max((len(kind.domain) for kind in scene.obstacle_kinds), default=0)
+        method = "exact" if scene.obstacles <= 1 and entered <= MOST_CELLS_FOR_EXACT else "single"
+    if method == "automatic":
+        return None
+    return Abstraction(method, scene.regions if method == "regions" else ())
 
-    def __init__(self, scene: Scene) -> None:
+
+class Obstacles:
+    """The obstacles of a navigation game, kind by kind.
+
+    Attributes:
+        scene: the scene.
+        kinds: the kinds; the scene's, or with other domains after a replan.
+        domain: the union of their domains, ascending; places count its cells.
+        place: of each cell of the domain.
+        fields: what the compiled rules need of each kind.
+    """
+
+    def __init__(self, scene: Scene, belief: Abstraction, kinds: tuple[ObstacleKind, ...] | None = None) -> None:
         self.scene = scene
-        self.exists = bool(scene.scenario.obstacles)
-        self.domain = scene.domain
-        self.place = {cell: bit for bit, cell in enumerate(scene.domain)}
-        self.next_of = [self._next(cell) for cell in scene.domain]
-        self.regions = [self.mask(region) for region in scene.regions]
-        self._seen: dict[int, int] = {}
-        self._images: dict[int, int] = {}
-        self._outcomes: dict[tuple[int, int, int, int], Outcomes] = {}
-        self._parts: dict[int, list[int]] = {}
-        self._blocked: dict[tuple[int, int, Known], bool] = {}
+        self.kinds = scene.obstacle_kinds if kinds is None else kinds
+        self.domain = tuple(sorted({cell for kind in self.kinds for cell in kind.domain}))
+        self.place = {cell: place for place, cell in enumerate(self.domain)}
+        self.words = -(-len(self.domain) // WORD)
+        self.fields = tuple(self._field(kind, belief) for kind in self.kinds)
+        self._seen: dict[int, Ints] = {}
 
-    def mask(self, cells: frozenset[int]) -> int:
-        """Return the mask of those cells that lie in the domain."""
-        return sum(1 << self.place[cell] for cell in cells if cell in self.place)
+    def _field(self, kind: ObstacleKind, belief: Abstraction) -> Field:
+        inside, digit_bits = frozenset(kind.domain), len(self.domain).bit_length()
+        if digit_bits * len(kind.members) > CODE_BITS:
+            allowed = CODE_BITS // digit_bits
+            raise LimitExceeded(f"a kind has {len(kind.members)} obstacles; on this map at most {allowed} are checked")
+        regions = [region & inside for region in belief.regions]
+        regions.append(inside.difference(*belief.regions))
+        rows = np.stack([self.words_of(region) for region in regions])
+        near = np.full((len(self.domain), 4), -1, np.int64)
+        for cell in kind.domain:
+            for move in Direction:
+                other = self.scene.target(self.scene.cell(cell), move)
+                if self.scene.inside(other) and self.scene.index(other) in inside:
+                    near[self.place[cell], move] = self.place[self.scene.index(other)]
+        domain, method = self.words_of(kind.domain), METHODS[belief.method]
+        return Field(near, kind.speed_cells, domain, method, rows, len(kind.members), digit_bits)
 
-    def cells(self, mask: int) -> list[int]:
-        """Return the cells of a mask, ascending."""
-        return [self.domain[bit] for bit in bits(mask)]
+    def words_of(self, cells: Iterable[int]) -> Ints:
+        """Return a set of cells as words; cells outside the domains are left out."""
+        words = np.zeros(self.words, np.int64)
+        for cell in cells:
+            if cell in self.place:
+                words[self.place[cell] // WORD] |= 1 << (self.place[cell] % WORD)
+        return words
 
-    def _next(self, cell: int) -> int:
-        """Return the cells that an obstacle may be in after one turn, itself included."""
-        home = self.scene.cell(cell)
-        around = [cell]
-        for move in Direction:
-            row, column = self.scene.target(home, move)
-            if 0 <= row < self.scene.frame.rows and 0 <= column < self.scene.frame.columns:
-                around.append(self.scene.index((row, column)))
-        return sum(1 << self.place[near] for near in around if near in self.place)
+    def cells_of(self, words: Ints) -> tuple[int, ...]:
+        """Return the cells of a set, ascending."""
+        return tuple(self.domain[place] for place in places_of(words))
 
-    def image(self, mask: int) -> int:
-        """Return next of a set."""
-        if mask not in self._images:
-            found = 0
-            for bit in bits(mask):
-                found |= self.next_of[bit]
-            self._images[mask] = found
-        return self._images[mask]
+    def code_of(self, cells: Iterable[int]) -> int:
+        """Return the code of a list of cells."""
+        code, digit_bits = 0, len(self.domain).bit_length()
+        for cell in cells:
+            code = int(inserted(code, self.place[cell], digit_bits))
+        return code
 
-    def seen_from(self, cell: int) -> int:
-        """Return the cells of the domain that the robot sees from a cell."""
+    def listed(self, code: int) -> tuple[int, ...]:
+        """Return the cells of a code, ascending."""
+        return tuple(self.domain[place] for place in listed(code, len(self.domain).bit_length()))
+
+    def seen_from(self, cell: int) -> Ints:
+        """Return what the robot sees of the domains from a cell."""
         if cell not in self._seen:
             row = self.scene.sees[cell]
-            self._seen[cell] = sum(1 << bit for bit, other in enumerate(self.domain) if row[other])
+            self._seen[cell] = self.words_of(other for other in self.domain if row[other])
         return self._seen[cell]
 
-    def bit(self, cell: int) -> int:
-        """Return the mask of one cell, 0 outside the domain."""
-        return 1 << self.place[cell] if cell in self.place else 0
+    def next_of(self, kind: int, cell: int, barred: int | None = None) -> tuple[int, ...]:
+        """Return where an obstacle may be after one turn from a cell; the barred cell is a standing robot's."""
+        bar = -1 if barred is None else self.place.get(barred, -1)
+        return self.cells_of(image(self.fields[kind], self.words_of((cell,)), bar))
 
-    def abstraction(self, hidden: int, viewer: int) -> int:
-        """Return the belief that stands for a hidden image seen from a cell."""
-        method = self.scene.scenario.belief
-        if method == "by size":
-            method = "exact" if len(self.domain) <= MOST_CELLS_FOR_EXACT else "single"
-        if method == "exact":
-            return hidden
-        unseen = ((1 << len(self.domain)) - 1) & ~self.seen_from(viewer)
-        if method == "single":
-            return unseen
-        touched = 0
-        for region in self.regions:
-            if region & hidden:
-                touched |= region
-        return touched & unseen
+    def believed(self, kind: int, hidden: Iterable[int], viewer: int) -> tuple[int, ...]:
+        """Return the belief that stands for a hidden image seen from a cell; empty for an empty one."""
+        words = self.words_of(hidden)
+        if not words.any():
+            return ()
+        return self.cells_of(abstraction(self.fields[kind], words, self.seen_from(viewer)))
 
-    def at_start(self, obstacle: int, robot: int) -> Known:
-        """Return what is known at the start."""
-        where = self.bit(obstacle)
-        if where & self.seen_from(robot):
-            return Known(self.place[obstacle], 0)
-        return Known(-1, self.abstraction(where, robot))
+    def at_start(self, cells: Sequence[int], robot: int) -> Known:
+        """Return what is known at the start, given the cell of every obstacle."""
+        sees = self.scene.sees[robot]
+        found = []
+        for number, kind in enumerate(self.kinds):
+            own = sorted(cells[member] for member in kind.members)
+            hidden = [cell for cell in own if not sees[cell]]
+            found.append(KindKnown(tuple(cell for cell in own if sees[cell]), self.believed(number, hidden, robot)))
+        return tuple(found)
 
-    def outcomes(self, known: Known, robot: int, target: int, moves: bool) -> Outcomes:
+    def turn(self, known: Known, robot: int, after: int, *, waits: bool) -> Turned:
         """Return the outcomes of one turn.
 
         Args:
             known: before the turn.
             robot: cell of the robot before the turn.
-            target: cell that the robot moves to, or waits to move to.
-            moves: whether it moves.
+            after: its cell after the turn.
+            waits: whether it stands.
         """
-        if not self.exists:
-            return Outcomes(False, (Known(-1, 0),))
-        after = target if moves else robot
-        key = (known.possible, robot, after, int(moves))
-        if key not in self._outcomes:
-            self._outcomes[key] = self._turn(known.possible, robot, after, moves)
-        return self._outcomes[key]
-
-    def _turn(self, possible: int, robot: int, after: int, moves: bool) -> Outcomes:
-        image = self.image(possible)
-        lost = moves and bool(image & (self.bit(robot) | self.bit(after)))
-        if not moves:
-            image &= ~self.bit(robot)
-        viewer = after if self.scene.scenario.view_post else robot
-        seen = self.seen_from(viewer)
-        known = [Known(bit, 0) for bit in bits(image & seen)]
-        if image & ~seen:
-            known.append(Known(-1, self.abstraction(image & ~seen, viewer)))
-        return Outcomes(lost, tuple(known))
-
-    def blocked(self, known: Known, robot: int, target: int) -> bool:
-        """Return blocked_m of assumption (c), for the robot's cell and the target of m."""
-        if not self.exists:
-            return False
-        key = (robot, target, known)
-        if key not in self._blocked:
-            self._blocked[key] = self._is_blocked(known, robot, target)
-        return self._blocked[key]
-
-    def _is_blocked(self, known: Known, robot: int, target: int) -> bool:
-        near = self.bit(robot) | self.bit(target)
-        threats = sum(1 << bit for bit, image in enumerate(self.next_of) if image & near)
-        if not known.possible & threats:
-            return False
-        refuge = ((1 << len(self.domain)) - 1) & ~threats
-        if known.visible < 0:
-            refuge &= self.seen_from(robot)
-        homes = known.possible
-        for part in self._components(robot):
-            if part & homes:
-                if not part & refuge:
-                    return False
-                homes &= ~part
-        return not homes
-
-    def _components(self, robot: int) -> list[int]:
-        """Return the connected components of the domain without the robot's cell."""
-        if robot not in self._parts:
-            rest = ((1 << len(self.domain)) - 1) & ~self.bit(robot)
-            parts = []
-            while rest:
-                part, grown = 0, rest & -rest
-                while grown != part:
-                    part, grown = grown, self.image(grown) & ~self.bit(robot)
-                parts.append(part)
-                rest &= ~part
-            self._parts[robot] = parts
-        return self._parts[robot]
-
-
-def bits(mask: int) -> Iterator[int]:
-    """Yield the places of the ones of a mask, ascending."""
-    while mask:
-        low = mask & -mask
-        yield low.bit_length() - 1
-        mask ^= low
+        seen = self.seen_from(after if self.scene.scenario.view_post else robot)
+        barred = self.place.get(robot, -1) if waits else -1
+        lost, kinds = False, []
+        for field, part in zip(self.fields, known, strict=True):
+            codes, numbers, rows, entered = turn_of_kind(
+                field, self.code_of(part.visible), self.words_of(part.hidden), barred, seen
+            )
+            lost |= not waits and bool((entered & self.words_of((robot, after))).any())
+            sets = [self.cells_of(row) for row in rows]
+            kinds.append(tuple(KindKnown(self.listed(c), sets[n]) for c, n in zip(codes, numbers, strict=True)))
+        return Turned(lost, tuple(kinds))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from surefoot.errors import InputError
 from surefoot.frames import Direction
 from surefoot.verify.artefacts import PlanFile
+from surefoot.verify.belief import METHODS, Abstraction, abstraction_of
 from surefoot.verify.findings import Ledger
 from surefoot.verify.scenario import HEADINGS, TURNS, WALKING_KEYS
-from surefoot.verify.scene import Cell, Context, Scene, fine_distance_m
+from surefoot.verify.scene import Cell, Context, ObstacleKind, Scene, fine_distance_m
 from surefoot.verify.terrain import TOLERANCE_M, CellProfile
 from surefoot.verify.values import Fields
 
@@ -30,7 +30,8 @@ class Claims:
         heading: the heading there.
         fine: the fine cell there.
         goals: cells in the order of visiting.
-        obstacle: where the obstacle starts; None without one.
+        obstacles: where each obstacle starts.
+        belief: the belief abstraction.
         walking: the numbers of the ``walking`` block.
         apex_speeds: least and most.
         straight: lengths of the straight moves, in fine cells.
@@ -44,7 +45,8 @@ class Claims:
     heading: Direction
     fine: Cell
     goals: tuple[Cell, ...]
-    obstacle: Cell | None
+    obstacles: tuple[Cell, ...]
+    belief: Abstraction
     walking: dict[str, float]
     apex_speeds: tuple[float, float]
     straight: tuple[int, ...]
@@ -92,7 +94,8 @@ def compare(plan: PlanFile, scene: Scene, ledger: Ledger) -> Claims:
         heading=Direction(HEADINGS.index(start.text("heading", among=HEADINGS))),
         fine=fine,
         goals=fields.cells("goals"),
-        obstacle=_compare_obstacles(fields, scene, ledger),
+        obstacles=_compare_obstacles(fields, scene, ledger),
+        belief=_compare_belief(fields.mapping("belief"), scene, ledger),
         walking=walking,
         apex_speeds=_pair(scene.scenario.walking["apex_speed_mps"]),
         straight=straight,
@@ -142,8 +145,9 @@ def _compare_walking(
     for name, own in scene.scenario.walking.items():
         found = walking.numbers(name) if isinstance(own, tuple) else (walking.number(name),)
         expected = own if isinstance(own, tuple) else (own,)
+        slack = 1e-3 if name in TURNS else 1e-12  # the planner lets whole turns end exactly on cell centres
         if len(found) != len(expected) or any(
-            not math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-12) for a, b in zip(found, expected, strict=True)
+            not math.isclose(a, b, rel_tol=1e-12, abs_tol=slack) for a, b in zip(found, expected, strict=True)
         ):
             ledger.refuse(rule, f"is {own} by the scenario, not {walking.get(name)}", f"plan.json walking.{name}")
         if not isinstance(own, tuple):
@@ -237,21 +241,50 @@ def _compare_contexts(
     return tuple(listed)
 
 
-def _compare_obstacles(fields: Fields, scene: Scene, ledger: Ledger) -> Cell | None:
-    """Compare the obstacle's domain and start."""
+def _compare_obstacles(fields: Fields, scene: Scene, ledger: Ledger) -> tuple[Cell, ...]:
+    """Compare the obstacles' domains, speeds and starts, and how they are told apart; return the starts."""
     listed = fields.mappings("obstacles")
-    if len(listed) != len(scene.scenario.obstacles):
-        raise fields.wrong("obstacles", f"has to list the scenario's {len(scene.scenario.obstacles)}")
-    if not listed:
-        return None
-    if set(listed[0].cells("domain")) != {scene.cell(index) for index in scene.domain}:
-        ledger.refuse("rules.md 4, obstacle domain", "is not the scenario's", "plan.json obstacles[0].domain")
-    start = listed[0].cell("start")
-    if not scene.frame.holds(start, scene.scenario.obstacles[0].start_m):
-        ledger.refuse("formats.md 1, obstacles", "does not hold the start position", "plan.json obstacles[0].start")
-    if scene.index(start) not in scene.domain:
-        raise InputError("is outside the obstacle's domain", source=fields.source, key="obstacles[0].start")
+    if len(listed) != scene.obstacles:
+        raise fields.wrong("obstacles", f"has to list the scenario's {scene.obstacles}")
+    if fields.lists_of_wholes("kinds") != tuple(kind.members for kind in scene.obstacle_kinds):
+        ledger.refuse("rules.md 4, kinds", "are not the scenario's", "plan.json kinds")
+    starts: dict[int, Cell] = {}
+    for kind in scene.obstacle_kinds:
+        for number in kind.members:
+            starts[number] = _compare_obstacle(listed[number], kind, number, scene, ledger)
+    return tuple(starts[number] for number in range(scene.obstacles))
+
+
+def _compare_obstacle(fields: Fields, kind: ObstacleKind, number: int, scene: Scene, ledger: Ledger) -> Cell:
+    fields.only(("start", "domain", "speed_cells"))
+    where, start = f"plan.json obstacles[{number}]", fields.cell("start")
+    if set(fields.cells("domain")) != {scene.cell(index) for index in kind.domain}:
+        ledger.refuse("rules.md 4, obstacle domain", "is not the scenario's", f"{where}.domain")
+    if fields.whole("speed_cells") != kind.speed_cells:
+        ledger.refuse("formats.md 1, obstacles", "is not the scenario's speed", f"{where}.speed_cells")
+    if not scene.frame.holds(start, scene.scenario.obstacles[number].start_m):
+        ledger.refuse("formats.md 1, obstacles", "does not hold the start position", f"{where}.start")
+    if not scene.inside(start) or scene.index(start) not in kind.domain:
+        raise fields.wrong("start", "is outside the obstacle's domain")
     return start
+
+
+def _compare_belief(fields: Fields, scene: Scene, ledger: Ledger) -> Abstraction:
+    """Compare the belief abstraction; regions that the planner chose may be any disjoint sets of free cells."""
+    fields.only(("abstraction", "regions"))
+    listed = fields.lists_of_cells("regions")
+    if not all(cell in scene.kinds for cells in listed for cell in cells):
+        raise fields.wrong("regions", "has to be lists of free cells")
+    sets = [frozenset(scene.index(cell) for cell in cells) for cells in listed]
+    found = Abstraction(fields.text("abstraction", among=tuple(METHODS)), tuple(sets))
+    expected = abstraction_of(scene)
+    if expected is None:
+        if found.method != "regions" or sum(map(len, sets)) != len(frozenset().union(*sets)):
+            text = "has to be regions that do not overlap"
+            ledger.refuse("rules.md 4, belief abstraction", text, "plan.json belief")
+    elif found != expected:
+        ledger.refuse("rules.md 4, belief abstraction", "is not the scenario's", "plan.json belief")
+    return found
 
 
 def _compare_places(claims: Claims, moved_m: float, scene: Scene, ledger: Ledger) -> None:

@@ -9,11 +9,13 @@ from numba import njit
 from numpy.typing import NDArray
 
 from surefoot.frames import Direction
-from surefoot.verify.action import ActionTable, describe, start_core
+from surefoot.verify.action import ActionTable, Core, describe
 from surefoot.verify.action_moves import FINE, NOWHERE, OFFSETS, Rules, allowed, landed, moved, outcome_limits
 from surefoot.verify.claims import ORDERS, Claims
+from surefoot.verify.decisions import WAIT
 from surefoot.verify.findings import Ledger
-from surefoot.verify.navigation import WAIT, Play
+from surefoot.verify.navigation import Play
+from surefoot.verify.row_index import numbered
 from surefoot.verify.scene import STOP, Scene
 
 MOST_STATES = 30_000_000
@@ -21,13 +23,13 @@ Array = NDArray[Any]
 Stage = tuple[int, int, int]
 
 
-def check_composition(scene: Scene, claims: Claims, play: Play, table: ActionTable, ledger: Ledger) -> None:
+def check_composition(scene: Scene, claims: Claims, play: Play, table: ActionTable, core: Core, ledger: Ledger) -> None:
     """Walk the product of navigation and action strategy.
 
     Navigation decisions that give the same order in the same cell with the same heading are taken together, which only
     adds plays. Every fine step of every order is walked in coordinates of the whole grid, so that a finished order is
     seen to have moved the robot by exactly one cell (or none, for stop), and every pair of consecutive orders is looked
-    up among the contexts.
+    up among the contexts. ``core`` is the state in which the play begins.
     """
     stages, first, successors = _stages(play)
     contexts = np.array([context_of(scene, claims, stage[0], stage[2]) for stage in stages], np.int64)
@@ -43,7 +45,7 @@ def check_composition(scene: Scene, claims: Claims, play: Play, table: ActionTab
         return
     blocks = np.searchsorted(table.contexts, np.arange(len(claims.contexts) + 1))
     cells = np.array([scene.cell(stage[0]) for stage in stages], np.int64)
-    start = table.row(start_core(claims), int(contexts[0]))
+    start = table.row(core, int(contexts[0]))
     if start < 0:
         ledger.refuse("rules.md 5, composition", "the first order has no row in the action strategy")
         return
@@ -67,18 +69,17 @@ def check_composition(scene: Scene, claims: Claims, play: Play, table: ActionTab
 
 def _stages(play: Play) -> tuple[list[Stage], Array, Array]:
     """Return the distinct (cell, heading, order) of a play, the start first, and which follow which."""
-    number: dict[Stage, int] = {}
-    of_node = []
-    for decision, order in zip(play.decisions, play.orders, strict=True):
-        stage = (decision.cell, decision.heading, int(order))
-        of_node.append(number.setdefault(stage, len(number)))
-    after: list[set[int]] = [set() for _ in number]
-    for node, stage_number in enumerate(of_node):
-        for edge in range(play.first[node], play.first[node + 1]):
-            after[stage_number].add(of_node[play.successors[edge]])
-    first = np.cumsum([0, *(len(targets) for targets in after)])
-    flat = [target for targets in after for target in sorted(targets)]
-    return list(number), first.astype(np.int64), np.array(flat, np.int64)
+    table = play.table
+    keys = np.stack([table.cells, table.headings, table.orders], axis=1)
+    from_start = np.concatenate([[play.start], np.arange(len(keys))])
+    numbers, firsts = numbered(keys[from_start])
+    of_node, size = numbers[1:], len(firsts)
+    pairs = np.zeros(size * size, np.bool_)
+    pairs[np.repeat(of_node, np.diff(play.first)) * size + of_node[play.successors]] = True
+    after, follows = np.nonzero(pairs.reshape(size, size))
+    first = np.concatenate([[0], np.cumsum(np.bincount(after, minlength=size))])
+    stages = [(int(cell), int(heading), int(order)) for cell, heading, order in keys[from_start][firsts]]
+    return stages, first.astype(np.int64), follows.astype(np.int64)
 
 
 def _fine_order(order: int) -> int:

@@ -117,3 +117,22 @@ def can_reach(first: Ints, successors: Ints, targets: Flags) -> Flags:
                 queue[length] = sources[edge]
                 length += 1
     return reached
+
+
+@njit(cache=True)
+def reached_from(first: Ints, successors: Ints, start: int) -> Flags:
+    """Return which nodes can be reached from one."""
+    reached = np.zeros(len(first) - 1, np.bool_)
+    queue = np.empty(len(reached), np.int64)
+    queue[0], length, done = start, 1, 0
+    reached[start] = True
+    while done < length:
+        node = queue[done]
+        done += 1
+        for edge in range(first[node], first[node + 1]):
+            target = successors[edge]
+            if not reached[target]:
+                reached[target] = True
+                queue[length] = target
+                length += 1
+    return reached

@@ -38,6 +38,9 @@ class Motion:
         self.old_ahead, self.old_left = _axes(yaw - change)
         self.turning = np.abs(change) > TOLERANCE
         self.side = np.array([1.0 if item.step.stance == 0 else -1.0 for item in walked])
+        self.pushed = np.array([item.step.push is not None for item in walked])
+        self.side_speed_after = np.array([item.step.side_speed_mps or 0.0 for item in walked])
+        self.side_speed = np.concatenate([[0.0], self.side_speed_after[:-1]])
 
     def gap(self, end: str, start: str) -> Vectors:
         """Return the horizontal vectors from one named point to another."""
@@ -85,6 +88,10 @@ def _check_commands(scene: Scene, motion: Motion, require: Require) -> None:
     walked = length + shift[:, 0]
     require(rule, "the length is not the action's", np.abs(motion.of["length_m"] - walked) < TOLERANCE)
     reach = motion.at["waypoint_m"][:, :2] + motion.ahead * walked[:, None] + motion.left * shift[:, 1:]
+    moved = [item.step.moved for item in motion.walked]
+    east, north = _axes(np.full(len(moved), scene.frame.rotation_rad))
+    reach += claims.walking["fine_cell_m"] * np.array(moved)[:, 1:] * east
+    reach -= claims.walking["fine_cell_m"] * np.array(moved)[:, :1] * north
     close = _near(reach, motion.at["next_waypoint_m"][:, :2])
     require(rule, "the waypoint does not move by length and outcome", close)
     for name, places in (
@@ -120,20 +127,22 @@ def _check_dynamics(scene: Scene, motion: Motion, require: Require) -> None:
     require(rule, "omega is not the robot's", np.abs(of["omega_radps"] - scene.robot.omega_radps) < TOLERANCE)
     require(rule, "a time is not positive", (of["first_half_s"] > 0) & (of["second_half_s"] > 0))
     for start, speed in (("velocity_mps", "apex_speed_mps"), ("next_velocity_mps", "next_apex_speed_mps")):
-        axis = motion.old_ahead if start == "velocity_mps" else motion.ahead
-        straight = _near(at[start], axis * of[speed][:, None]) & (of[speed] > 0)
+        before = start == "velocity_mps"
+        axis, aside = (motion.old_ahead, motion.old_left) if before else (motion.ahead, motion.left)
+        side_speed = motion.side_speed if before else motion.side_speed_after
+        straight = _near(at[start], axis * of[speed][:, None] + aside * side_speed[:, None]) & (of[speed] > 0)
         require(rule, f"{start} is not {speed} along the heading", straight)
     squared = scene.robot.omega_radps**2
     position, velocity = integrated(at["com_m"], at["velocity_mps"], at["foot_m"], of["first_half_s"], squared)
     same = _near(position, at["switch_m"]) & _near(velocity, at["switch_velocity_mps"])
-    require(rule, "integrating the first half does not lead to the switch", same)
+    require(rule, "integrating the first half does not lead to the switch", same | motion.pushed)
     position, velocity = integrated(
         at["switch_m"], at["switch_velocity_mps"], at["next_foot_m"], of["second_half_s"], squared
     )
     same = _near(position, at["next_com_m"][:, :2]) & _near(velocity, at["next_velocity_mps"])
-    require(rule, "integrating the second half does not lead to the next apex", same)
+    require(rule, "integrating the second half does not lead to the next apex", same | motion.pushed)
     along = _dot(motion.gap("next_foot_m", "next_waypoint_m"), motion.ahead)
-    require(rule, "the next foot is not at the new waypoint sagittally", np.abs(along) < TOLERANCE)
+    require(rule, "the next foot is not at the new waypoint sagittally", (np.abs(along) < TOLERANCE) | motion.pushed)
     along = _dot(motion.gap("next_foot_m", "next_com_m"), motion.ahead)
     require(rule, "the next apex is not above the next foot sagittally", np.abs(along) < TOLERANCE)
     for com, foot, waypoint in (("com_m", "foot_m", "waypoint_m"), ("next_com_m", "next_foot_m", "next_waypoint_m")):
@@ -157,21 +166,28 @@ def _check_theorems(motion: Motion, require: Require) -> None:
     least = -(omega**2) * travel * (2 * next_foot - current - following)
     holds = (gain <= most + TOLERANCE) & (gain >= least - TOLERANCE)
     holds &= (switch >= current - TOLERANCE) & (switch <= following + TOLERANCE)
-    require("rules.md 6, Theorem IV.1", "the apex speeds cannot follow each other", holds | motion.turning)
-    require("rules.md 6, Theorems IV.3 and IV.4", "the apex speeds cannot follow each other", holds | ~motion.turning)
+    require(
+        "rules.md 6, Theorem IV.1", "the apex speeds cannot follow each other", holds | motion.turning | motion.pushed
+    )
+    holds |= ~motion.turning | motion.pushed
+    require("rules.md 6, Theorems IV.3 and IV.4", "the apex speeds cannot follow each other", holds)
     aside = _dot(motion.gap("foot_m", "com_m"), motion.old_left)
     holds = may_turn(of["apex_speed_mps"], aside, motion.side, of["heading_change_rad"], omega)
+    swayed = may_go_on(of["apex_speed_mps"], motion.side_speed, aside, of["heading_change_rad"], omega)
+    holds = np.where(motion.side_speed == 0, holds, swayed)
     require("rules.md 6, Theorem IV.2", "the heading change makes the robot fall", holds)
     aside = _dot(motion.gap("next_foot_m", "next_com_m"), motion.left)
     holds = np.ones(len(aside), np.bool_)
     for index, item in enumerate(motion.walked):
+        if motion.pushed[index]:
+            continue
         for change in {*item.step.next_heading_changes_rad, *item.may_turn_rad}:
             now = slice(index, index + 1)
             speed, turn = of["next_apex_speed_mps"][now], np.array([change])
             holds[index] &= bool(may_turn(speed, aside[now], -motion.side[now], turn, omega[now])[0])
     require("rules.md 6, Theorem IV.2", "a heading change that may come next makes the robot fall", holds)
     speed = _dot(at["switch_velocity_mps"], motion.ahead)
-    slow = speed <= walking["switch_speed_max_mps"] + TOLERANCE
+    slow = (speed <= walking["switch_speed_max_mps"] + TOLERANCE) | motion.pushed
     require("rules.md 6, switch speed", "is above the limit", slow)
     wide = _dot(motion.gap("next_foot_m", "next_waypoint_m"), motion.left)
     near = np.abs(wide) <= walking["safety_distance_m"] + TOLERANCE
@@ -200,6 +216,23 @@ def may_turn(speed: Vectors, aside: Vectors, side: Vectors, change: Vectors, ome
     return safe
 
 
+def may_go_on(speed: Vectors, side_speed: Vectors, aside: Vectors, change: Vectors, omega: Vectors) -> Flags:
+    """Return whether an apex that a push has left with a lateral speed gets over its foot, and not across it.
+
+    Args:
+        speed: along the heading before its change.
+        side_speed: to the left of it.
+        aside: how far the foot is left of the centre of mass.
+        change: heading change, left positive.
+        omega: of the pendulum.
+    """
+    sine, cosine = np.sin(change), np.cos(change)
+    over = speed * cosine + side_speed * sine >= omega * aside * sine - TOLERANCE
+    toward = np.sign(aside) * (side_speed * cosine - speed * sine)
+    kept: Flags = over & (toward <= omega * np.abs(aside) * cosine + TOLERANCE)
+    return kept
+
+
 def _check_joints(motion: Motion, require: Require) -> None:
     """Check that every step begins where the last one ended."""
     walked, rule = motion.walked, "rules.md 6, continuity"
@@ -209,7 +242,9 @@ def _check_joints(motion: Motion, require: Require) -> None:
         standing = step.action == START
         before = walked[index - 1].step if index else None
         start_s = 0.0
-        joined = (step.rise is not None) == standing and (step.rest is not None) == (step.action == STOPPING)
+        joined = (step.rise is not None) == standing and (step.rest is not None) == (
+            step.action == STOPPING and (step.push is None or not step.push.put_off)
+        )
         joined &= (step.closing_foot_m is not None) == (step.rest is not None)
         if before is not None:
             pairs = [("next_com_m", "com_m"), ("next_velocity_mps", "velocity_mps"), ("foot_m", "swing_lift_m")]

@@ -1,112 +1,53 @@
-"""Checks a saved navigation strategy against rules.md 4: safety, dead ends, liveness, check (1)."""
+"""Checks a saved navigation strategy against rules.md 4: every order is legal, and every answer has a row."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
+from numba import njit
 
-from surefoot.errors import InputError
+from surefoot.errors import LimitExceeded
 from surefoot.frames import Direction
-from surefoot.verify.artefacts import Arrays, PlanFile
-from surefoot.verify.belief import Known, Obstacle
+from surefoot.verify.belief import Obstacles
+from surefoot.verify.belief_turn import Ints
 from surefoot.verify.claims import Claims
-from surefoot.verify.findings import Ledger
-from surefoot.verify.graphs import can_reach, components, cyclic
+from surefoot.verify.decisions import WAIT, Decision, Table, describe
+from surefoot.verify.findings import KEPT, Ledger
+from surefoot.verify.graphs import reached_from
+from surefoot.verify.row_index import row_of
 from surefoot.verify.scene import Scene
+from surefoot.verify.turns import Turns, turns_of
 
-WAIT = 4
-
-
-class Decision(NamedTuple):
-    """The key of a row: where the robot is, what it knows and which goal is next."""
-
-    cell: int
-    heading: int
-    known: Known
-    goal: int
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """The rows of ``navigation.npz``."""
-
-    row_of: dict[Decision, int]
-    orders: tuple[int, ...]
-
-    def order(self, decision: Decision) -> int | None:
-        """Return the order of a decision; None where there is no row."""
-        row = self.row_of.get(decision)
-        return None if row is None else self.orders[row]
+MOST_EDGES = 100_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class Play:
-    """Every play that the strategy allows, as a graph of decisions.
+    """Every play that a strategy allows, as a graph of its rows.
 
     Attributes:
-        decisions: the reached ones; node v is ``decisions[v]``.
-        orders: of each.
+        table: the rows; node v is row v.
+        start: the row of the first decision, -1 without one.
         first: (N + 1,) offsets into the edges.
         successors: (E,) nodes.
-        advances: (E,) whether the goal memory advances on the way.
-        closed: whether every reached decision has an allowed order and all its successors rows.
+        turns: what happens in the turn of every row; None when an order is not allowed.
+        closed: whether every row has an allowed order, all its successors have rows, and all rows are reached.
     """
 
-    decisions: tuple[Decision, ...]
-    orders: NDArray[np.int64]
-    first: NDArray[np.int64]
-    successors: NDArray[np.int64]
-    advances: NDArray[np.bool_]
+    table: Table
+    start: int
+    first: Ints
+    successors: Ints
+    turns: Turns | None
     closed: bool
 
 
-def read_table(plan: PlanFile, scene: Scene, ledger: Ledger) -> Table:
-    """Read the rows of a navigation strategy; duplicate and malformed ones are refused."""
-    arrays, obstacles = plan.navigation, len(scene.scenario.obstacles)
-    source = plan.path.parent / "navigation.npz"
-    if obstacles and not np.array_equal(arrays["domain"], np.array(scene.domain, np.int64)):
-        ledger.refuse("rules.md 4, obstacle domain", "is not the scenario's", "navigation.npz domain")
-        return Table({}, ())
-    if arrays["visible"].shape[1] != obstacles or arrays["hidden"].shape[1] != (len(arrays["domain"]) + 7) // 8:
-        raise InputError("has columns for another number of obstacles or cells", source=source, key="visible")
-    row_of: dict[Decision, int] = {}
-    place = {cell: bit for bit, cell in enumerate(scene.domain)}
-    for row, decision in enumerate(_decisions(arrays, place, obstacles)):
-        if decision is None:
-            ledger.refuse("formats.md 2, navigation.npz", "the obstacle is neither visible nor hidden", f"row {row}")
-        elif decision in row_of:
-            ledger.refuse("formats.md 2, navigation.npz", "a decision has two rows", f"rows {row_of[decision]}, {row}")
-        else:
-            row_of[decision] = row
-    return Table(row_of, tuple(int(order) for order in arrays["order"]))
-
-
-def _decisions(arrays: Arrays, place: dict[int, int], obstacles: int) -> list[Decision | None]:
-    """Return the key of every row; None where visible and hidden contradict each other."""
-    found: list[Decision | None] = []
-    masks: dict[bytes, int] = {}
-    for row, packed in enumerate(arrays["hidden"]):
-        data = packed.tobytes()
-        hidden = masks.setdefault(data, int.from_bytes(data, "little"))
-        cell = int(arrays["visible"][row, 0]) if obstacles else -1
-        visible = place.get(cell, -2) if cell != -1 else -1
-        if visible == -2 or (obstacles and (visible >= 0) == bool(hidden)):
-            found.append(None)
-            continue
-        heading, goal = int(arrays["heading"][row]), int(arrays["goal"][row])
-        found.append(Decision(int(arrays["cell"][row]), heading, Known(visible, hidden), goal))
-    return found
-
-
-def start_decision(scene: Scene, claims: Claims, obstacle: Obstacle) -> Decision:
+def start_decision(scene: Scene, claims: Claims, obstacles: Obstacles) -> Decision:
     """Return the first decision of every play."""
     cell = scene.index(claims.start)
-    known = Known(-1, 0)
-    if claims.obstacle is not None:
-        known = obstacle.at_start(scene.index(claims.obstacle), cell)
+    known = obstacles.at_start([scene.index(start) for start in claims.obstacles], cell)
     return Decision(cell, int(claims.heading), known, advanced(scene, claims, 0, cell)[0])
 
 
@@ -117,143 +58,132 @@ def advanced(scene: Scene, claims: Claims, goal: int, cell: int) -> tuple[int, b
     return (goal + 1) % len(claims.goals), True
 
 
-def order_allowed(scene: Scene, claims: Claims, decision: Decision, order: int) -> bool:
-    """Return whether rules.md 4 allows an order (0-3 move, 4-7 wait) in a decision."""
-    if not 0 <= order < 8:
+def order_allowed(scene: Scene, claims: Claims, cell: int, heading: int, order: int) -> bool:
+    """Return whether rules.md 4 allows an order (0-3 move, 4-7 wait) in a cell with a heading."""
+    where, move = scene.cell(cell), Direction(order % WAIT)
+    if move == Direction(heading).opposite or not scene.terrain.passable(where, move):
         return False
-    cell, move = scene.cell(decision.cell), Direction(order % WAIT)
-    if move == Direction(decision.heading).opposite or not scene.terrain.passable(cell, move):
-        return False
-    return claims.kinds[cell] == 0 or order == decision.heading
+    return claims.kinds[where] == 0 or order == heading
 
 
-def successors(
-    scene: Scene, claims: Claims, obstacle: Obstacle, decision: Decision, order: int
-) -> tuple[bool, list[tuple[Decision, bool]]]:
-    """Return whether the turn is lost, and the decisions that may follow, with whether a goal is reached."""
-    move = Direction(order % WAIT)
-    target = scene.index(scene.target(scene.cell(decision.cell), move))
-    moves = order < WAIT
-    lost, known = obstacle.outcomes(decision.known, decision.cell, target, moves)
-    cell, heading = (target, int(move)) if moves else (decision.cell, decision.heading)
-    goal, reached = advanced(scene, claims, decision.goal, cell) if moves else (decision.goal, False)
-    return lost, [(Decision(cell, heading, after, goal), reached) for after in known]
+def arrival(scene: Scene, claims: Claims, decision: Decision, order: int) -> tuple[int, int, int, bool]:
+    """Return cell, heading and goal memory after an order, and whether a goal is reached."""
+    if order >= WAIT:
+        return decision.cell, decision.heading, decision.goal, False
+    cell = scene.index(scene.target(scene.cell(decision.cell), Direction(order)))
+    goal, reached = advanced(scene, claims, decision.goal, cell)
+    return cell, order, goal, reached
 
 
-def explore(scene: Scene, claims: Claims, obstacle: Obstacle, table: Table, ledger: Ledger) -> Play:
-    """Follow the strategy from the start into every decision that the environment can bring about."""
-    start = start_decision(scene, claims, obstacle)
-    before = ledger.total
-    number, decisions, orders = {start: 0}, [start], []
-    first, targets, advances = [0], [], []
-    for decision in decisions:
-        order = table.order(decision)
-        orders.append(-1 if order is None else order)
-        for after, reached in _checked(scene, claims, obstacle, table, decision, ledger):
-            if after not in number:
-                number[after] = len(decisions)
-                decisions.append(after)
-            targets.append(number[after])
-            advances.append(reached)
-        first.append(len(targets))
-    closed = ledger.total == before
-    spare = len(table.row_of.keys() - number.keys())
-    if closed and spare:
-        ledger.refuse("formats.md 2, navigation.npz", f"{spare} rows are reached by no play", times=spare)
-    return Play(
-        tuple(decisions),
-        np.array(orders, np.int64),
-        np.array(first, np.int64),
-        np.array(targets, np.int64),
-        np.array(advances, np.bool_),
-        closed,
+def explore(scene: Scene, claims: Claims, start: Decision, table: Table, ledger: Ledger) -> Play:
+    """Check every row of a strategy: its order, its turn, and that every answer of the obstacles has a row.
+
+    Raises:
+        LimitExceeded: there are more answers than can be checked.
+    """
+    before, size = ledger.total, len(table.orders)
+    row = table.row(start)
+    if row < 0:
+        _refuse_missing(scene, table, start, ledger)
+    nothing = np.zeros(size + 1, np.int64)
+    empty = Play(table, row, nothing, nothing[:0], None, closed=False)
+    if not _orders_allowed(scene, claims, table, ledger):
+        return empty
+    turns = turns_of(table, [scene.index(goal) for goal in claims.goals])
+    _refuse_lost(scene, table, turns, ledger)
+    answers = np.diff(turns.first)[turns.numbers].prod(axis=1, initial=1.0).sum()
+    if answers > MOST_EDGES:
+        raise LimitExceeded(f"the strategy has {answers:.3g} answers to its orders; at most {MOST_EDGES} are checked")
+    counts = np.diff(turns.first)[turns.numbers].prod(axis=1, initial=1)
+    first = np.concatenate([[0], np.cumsum(counts)])
+    successors, missing = _successors(
+        table.slots, table.keys, turns.poses, turns.numbers, turns.first, turns.states, first
     )
+    for number in missing[:KEPT]:
+        _refuse_answers(scene, claims, table, table.decision(int(number)), int(table.orders[number]), ledger)
+    if ledger.total > before:
+        return empty
+    spare = int((~reached_from(first, successors, row)).sum())
+    if spare:
+        ledger.refuse("formats.md 2, navigation.npz", f"{spare} rows are reached by no play", times=spare)
+    return Play(table, row, first, successors, turns, closed=not spare)
 
 
-def _checked(
-    scene: Scene, claims: Claims, obstacle: Obstacle, table: Table, decision: Decision, ledger: Ledger
-) -> list[tuple[Decision, bool]]:
-    """Return the successors of a decision, none where a rule is broken."""
-    order = table.order(decision)
-    if order is None:
-        _refuse_missing(scene, table, obstacle, decision, ledger)
-        return []
-    where = describe(scene, decision)
-    if not order_allowed(scene, claims, decision, order):
-        ledger.refuse("rules.md 4, orders", f"order {order} is not allowed", where)
-        return []
-    lost, found = successors(scene, claims, obstacle, decision, order)
-    if lost:
-        ledger.refuse("rules.md 4, collision", "the obstacle may be in the robot's old or new cell", where)
-        return []
-    if not found:
-        ledger.refuse("rules.md 4, dead end", "the obstacle has nowhere to go", where)
-    return found
+def _orders_allowed(scene: Scene, claims: Claims, table: Table, ledger: Ledger) -> bool:
+    """Return whether every row's order is allowed; refuse the others."""
+    legal = np.zeros((len(scene.sees), 4, 2 * WAIT), np.bool_)
+    for cell in map(scene.index, scene.kinds):
+        for heading in range(4):
+            legal[cell, heading] = [order_allowed(scene, claims, cell, heading, order) for order in range(2 * WAIT)]
+    known = (table.orders >= 0) & (table.orders < 2 * WAIT)
+    wrong = ~known | ~legal[table.cells, table.headings, np.where(known, table.orders, 0)]
+    if wrong.any():
+        row = int(np.flatnonzero(wrong)[0])
+        where, text = describe(scene, table.decision(row)), f"order {table.orders[row]} is not allowed"
+        ledger.refuse("rules.md 4, orders", text, where, int(wrong.sum()))
+    return not wrong.any()
 
 
-def _refuse_missing(scene: Scene, table: Table, obstacle: Obstacle, decision: Decision, ledger: Ledger) -> None:
+def _refuse_lost(scene: Scene, table: Table, turns: Turns, ledger: Ledger) -> None:
+    """Refuse rows whose move may end or begin where an obstacle may be, and rows without an answer."""
+    lost = turns.lost[turns.numbers].any(axis=1)
+    stuck = (np.diff(turns.first)[turns.numbers] == 0).any(axis=1)
+    for wrong, rule, text in (
+        (lost, "rules.md 4, collision", "an obstacle may be in the robot's old or new cell"),
+        (stuck, "rules.md 4, dead end", "the obstacles have nowhere to go"),
+    ):
+        if wrong.any():
+            where = describe(scene, table.decision(int(np.flatnonzero(wrong)[0])))
+            ledger.refuse(rule, text, where, int(wrong.sum()))
+
+
+@njit(cache=True)
+def _successors(
+    slots: Ints, keys: Ints, poses: Ints, numbers: Ints, turn_first: Ints, states: Ints, first: Ints
+) -> tuple[Ints, Ints]:
+    """Return the row after every combination of what the kinds do (-1: none), and the rows that lack some."""
+    found, kinds = np.empty(first[-1], np.int32), numbers.shape[1]
+    lacking, lacks = np.zeros(len(poses), np.bool_), np.empty(kinds, np.int64)
+    key = np.empty(kinds + 1, np.int64)
+    for row in range(len(poses)):
+        key[0] = poses[row]
+        lacks[:] = turn_first[numbers[row]]
+        for edge in range(first[row], first[row + 1]):
+            whole = True
+            for kind in range(kinds):
+                key[kind + 1] = states[lacks[kind]]
+                whole &= key[kind + 1] >= 0
+            found[edge] = row_of(slots, keys, key) if whole else -1
+            lacking[row] |= found[edge] < 0
+            for kind in range(kinds - 1, -1, -1):
+                lacks[kind] += 1
+                if lacks[kind] < turn_first[numbers[row, kind] + 1]:
+                    break
+                lacks[kind] = turn_first[numbers[row, kind]]
+    return found, np.flatnonzero(lacking)
+
+
+def _refuse_answers(scene: Scene, claims: Claims, table: Table, decision: Decision, order: int, ledger: Ledger) -> None:
+    """Refuse the first answer to a decision that has no row."""
+    cell, heading, goal, _ = arrival(scene, claims, decision, order)
+    turned = table.obstacles.turn(decision.known, decision.cell, cell, waits=order >= WAIT)
+    for known in product(*turned.kinds):
+        after = Decision(cell, heading, known, goal)
+        if table.row(after) < 0:
+            _refuse_missing(scene, table, after, ledger)
+            return
+
+
+def _refuse_missing(scene: Scene, table: Table, decision: Decision, ledger: Ledger) -> None:
     """Refuse a reached decision without a row; say when only the belief differs."""
     where = describe(scene, decision)
-    if decision.known.visible < 0:
-        others = [
-            row.known.hidden
-            for row in table.row_of
-            if (row.cell, row.heading, row.goal, row.known.visible)
-            == (decision.cell, decision.heading, decision.goal, -1)
-        ]
-        if others:
-            believed = [scene.cell(cell) for cell in obstacle.cells(decision.known.hidden)]
-            text = "narrower" if any(other & ~decision.known.hidden == 0 for other in others) else "different"
-            ledger.refuse("rules.md 4, belief", f"the belief is {believed}; the strategy knows only {text} ones", where)
+    same = (table.cells == decision.cell) & (table.headings == decision.heading) & (table.goals == decision.goal)
+    for row in np.flatnonzero(same):
+        other = table.decision(int(row)).known
+        if all(one.visible == two.visible for one, two in zip(other, decision.known, strict=True)):
+            narrower = all(set(one.hidden) <= set(two.hidden) for one, two in zip(other, decision.known, strict=True))
+            believed = [[scene.cell(cell) for cell in part.hidden] for part in decision.known]
+            text = f"the belief is {believed}; the strategy knows {'a narrower' if narrower else 'another'} one"
+            ledger.refuse("rules.md 4, belief", text, where)
             return
     ledger.refuse("rules.md 4, dead end", "a reached decision has no row", where)
-
-
-def describe(scene: Scene, decision: Decision) -> str:
-    """Return a decision as text."""
-    seen = "hidden"
-    if decision.known.visible >= 0:
-        seen = f"visible in {scene.cell(scene.domain[decision.known.visible])}"
-    heading = Direction(decision.heading).name.lower()
-    return f"cell {scene.cell(decision.cell)}, heading {heading}, goal {decision.goal}, obstacle {seen}"
-
-
-def check_liveness(scene: Scene, obstacle: Obstacle, play: Play, ledger: Ledger) -> None:
-    """Refuse cycles that starve a goal while assumption (c) holds, and decisions in which (c) cannot be kept."""
-    fair = _fair(scene, obstacle, play)
-    component = components(play.first, play.successors, ~play.advances)
-    starving = cyclic(play.first, play.successors, ~play.advances, component) & _all_fair(component, fair)
-    for number in np.flatnonzero(starving):
-        node = int(np.flatnonzero(component == number)[0])
-        text = "the obstacle can keep the robot from its next goal for ever without breaking assumption (c)"
-        ledger.refuse("rules.md 4, goals", text, describe(scene, play.decisions[node]))
-    every = np.ones(len(play.successors), np.bool_)
-    component = components(play.first, play.successors, every)
-    kept = cyclic(play.first, play.successors, every, component) & _all_fair(component, fair)
-    forced = ~can_reach(play.first, play.successors, kept[component])
-    if forced.any():
-        node = int(np.flatnonzero(forced)[0])
-        text = "the environment is forced to break assumption (c)"
-        where = describe(scene, play.decisions[node])
-        ledger.refuse("rules.md 4, check (1)", text, where, times=int(forced.sum()))
-
-
-def _fair(scene: Scene, obstacle: Obstacle, play: Play) -> NDArray[np.bool_]:
-    """Return (4, N) whether a decision satisfies the justice of each direction."""
-    fair = np.ones((4, len(play.decisions)), np.bool_)
-    for node, decision in enumerate(play.decisions):
-        order = int(play.orders[node])
-        if order >= WAIT:
-            target = scene.index(scene.target(scene.cell(decision.cell), Direction(order - WAIT)))
-            fair[order - WAIT, node] = not obstacle.blocked(decision.known, decision.cell, target)
-    return fair
-
-
-def _all_fair(component: NDArray[np.int64], fair: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which components hold, for every direction, a decision that satisfies its justice."""
-    met = np.ones(int(component.max()) + 1, np.bool_)
-    for row in fair:
-        some = np.zeros_like(met)
-        some[component[row]] = True
-        met &= some
-    return met

@@ -6,16 +6,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from surefoot.errors import InputError
-from surefoot.verify.action import ActionTable, check_action, read_action_table
+from surefoot.verify.action import ActionTable, check_action, read_action_table, start_core
 from surefoot.verify.artefacts import PlanFile, read_plan
-from surefoot.verify.belief import Obstacle
+from surefoot.verify.belief import Obstacles
 from surefoot.verify.claims import Claims, compare
 from surefoot.verify.composition import check_composition, context_of
+from surefoot.verify.decisions import WAIT, Table, read_table
 from surefoot.verify.findings import Ledger
-from surefoot.verify.navigation import Table, check_liveness, explore, read_table
+from surefoot.verify.liveness import check_liveness
+from surefoot.verify.navigation import explore, start_decision
 from surefoot.verify.scenario import read_scenario
 from surefoot.verify.scene import Scene, derive_scene
-from surefoot.verify.true_product import check_true_obstacle
+from surefoot.verify.true_product import check_true_obstacles
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,25 +53,31 @@ def check_plan(folder: Path, ledger: Ledger) -> None:
     scene, claims = opened.scene, opened.claims
     if ledger.total:
         return
-    obstacle, table = Obstacle(scene), read_table(opened.plan, scene, ledger)
+    table = open_table(opened, ledger)
     action = read_action_table(opened.plan, claims, ledger)
-    if ledger.total or action is None:
+    if table is None or action is None:
         return
-    _check_games(scene, claims, obstacle, table, action, ledger)
+    _check_games(scene, claims, table, action, ledger)
 
 
-def _check_games(
-    scene: Scene, claims: Claims, obstacle: Obstacle, table: Table, action: ActionTable, ledger: Ledger
-) -> None:
+def open_table(opened: Opened, ledger: Ledger) -> Table | None:
+    """Return the rows of a plan's navigation strategy; None when some are malformed."""
+    obstacles = Obstacles(opened.scene, opened.claims.belief)
+    source = opened.plan.path.parent / "navigation.npz"
+    return read_table(opened.plan.navigation, source, obstacles, len(opened.claims.goals), ledger)
+
+
+def _check_games(scene: Scene, claims: Claims, table: Table, action: ActionTable, ledger: Ledger) -> None:
     """Check both strategies; what builds on a closed play waits for one."""
-    play = explore(scene, claims, obstacle, table, ledger)
-    ledger.counts["navigation_decisions"] = len(play.decisions)
+    play = explore(scene, claims, start_decision(scene, claims, table.obstacles), table, ledger)
+    ledger.counts["navigation_decisions"] = len(table.orders)
+    ledger.counts["navigation_answers"] = len(play.successors)
     if play.closed:
-        check_liveness(scene, obstacle, play, ledger)
-        if claims.obstacle is not None:
-            check_true_obstacle(scene, obstacle, play, scene.index(claims.obstacle), ledger)
-    order = int(play.orders[0])
-    first = context_of(scene, claims, play.decisions[0].cell, order) if order >= 0 else -1
+        check_liveness(play, ledger)
+        if claims.obstacles:
+            check_true_obstacles(play, [scene.index(start) for start in claims.obstacles], ledger)
+    order = int(table.orders[play.start]) if play.start >= 0 else -1
+    first = context_of(scene, claims, scene.index(claims.start), order) if 0 <= order < 2 * WAIT else -1
     check_action(claims, action, [first] if first >= 0 else [], ledger)
     if play.closed:
-        check_composition(scene, claims, play, action, ledger)
+        check_composition(scene, claims, play, action, start_core(claims), ledger)

@@ -1,4 +1,4 @@
-"""Replays the discrete side of a run log: obstacle, belief, orders, fine states, actions and outcomes."""
+"""Replays the discrete side of a run log: decisions, fine states, actions and outcomes."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from surefoot.verify.action_moves import (
     NOWHERE,
     STANDING,
     STAY,
+    STOPPING,
+    WALKING,
     landed,
     moved,
     outcome_limits,
 )
-from surefoot.verify.belief import Known, Obstacle
 from surefoot.verify.claims import ORDERS, Claims
+from surefoot.verify.decisions import WAIT, Table
 from surefoot.verify.findings import Ledger
-from surefoot.verify.navigation import WAIT, Decision, Table, start_decision, successors
 from surefoot.verify.next_turns import check_listed, contexts_after, heading_changes_rad
-from surefoot.verify.run_file import Step, Turn, Unsafe
+from surefoot.verify.run_decisions import BrokenLogError, Decider
+from surefoot.verify.run_file import Replan, RunFile, Step, Turn, Violation
 from surefoot.verify.scene import STOP, Cell, Scene
 
 
@@ -54,45 +56,36 @@ class Replayed:
     whole: bool = True
 
 
-class _BrokenLogError(Exception):
-    """The log leaves the game; what follows cannot be judged."""
-
-
 @dataclass(slots=True)
 class _Replayer:
     scene: Scene
     claims: Claims
-    obstacle: Obstacle
-    table: Table
+    decider: Decider
     actions: ActionTable
     ledger: Ledger
     done: Replayed
     core: Core
     cell: Cell
-    decision: Decision | None = None
-    truth: Cell | None = None
     order: int = 0
     context: int = 0
     achieved: bool = True
+    pushed: bool = False
 
-    def refuse(self, rule: str, message: str, line: int) -> _BrokenLogError:
+    def refuse(self, rule: str, message: str, line: int) -> BrokenLogError:
         self.ledger.refuse(rule, message, f"run.jsonl line {line}")
-        return _BrokenLogError()
+        return BrokenLogError()
 
     def turn(self, record: Turn) -> None:
-        """Follow a decision: the obstacle's move, the belief, the order."""
+        """Follow a decision: the obstacles' moves, the belief, the order."""
         self._stay(record.line)
         if not self.achieved:
             raise self.refuse("rules.md 5, orders", "a decision comes before the last order is achieved", record.line)
         if record.turn != self.done.turns:
             raise self.refuse("formats.md 3, turn", f"has to be turn {self.done.turns}", record.line)
-        expected = self._expected(record)
-        self._compare(record, expected)
-        order = self.table.order(expected)
-        if order is None or order != record.order:
-            raise self.refuse("formats.md 3, order", "is not the order of the navigation strategy", record.line)
-        self.decision, self.order, self.achieved = expected, order, False
-        self.truth = record.obstacles[0] if record.obstacles else None
+        self.order = self.decider.turn(record, self.core)
+        if record.cell != self.cell:
+            raise self.refuse("rules.md 5, composition (2)", f"the robot has walked to {self.cell}", record.line)
+        self.achieved = False
         self.done.turns += 1
         self.context = self._context(record.line)
 
@@ -105,64 +98,6 @@ class _Replayer:
             raise self.refuse("rules.md 5, actions", "the standing robot has no action stay", line)
         self.achieved = True
 
-    def _expected(self, record: Turn) -> Decision:
-        """Return the decision that the obstacle's true cell brings about."""
-        if len(record.obstacles) != len(self.scene.scenario.obstacles):
-            raise self.refuse("formats.md 3, turn", "lists another number of obstacles", record.line)
-        truth = record.obstacles[0] if record.obstacles else None
-        bit = -1 if truth is None else self._place(truth, record.line)
-        if self.decision is None:
-            if truth != self.claims.obstacle:
-                raise self.refuse("rules.md 4, start", "the obstacle is not at its start", record.line)
-            found = start_decision(self.scene, self.claims, self.obstacle)
-            if self.claims.goals[0] == self.cell:
-                self.done.goals_reached[0] += 1
-            return found
-        if self.truth is not None:
-            self._check_obstacle(bit, record.line)
-        _, options = successors(self.scene, self.claims, self.obstacle, self.decision, self.order)
-        for decision, reached in sorted(options, key=lambda option: -option[0].known.visible):
-            if truth is None or decision.known.visible in (bit, -1):
-                if reached:
-                    self.done.goals_reached[self.decision.goal] += 1
-                return decision
-        raise self.refuse("rules.md 4, belief", "the obstacle is where the belief says it cannot be", record.line)
-
-    def _place(self, truth: Cell, line: int) -> int:
-        rows, columns = self.scene.frame.rows, self.scene.frame.columns
-        index = self.scene.index(truth) if 0 <= truth[0] < rows and 0 <= truth[1] < columns else -1
-        if index not in self.obstacle.place:
-            raise self.refuse("rules.md 4, obstacle domain", f"the obstacle is outside it, in {truth}", line)
-        return self.obstacle.place[index]
-
-    def _check_obstacle(self, bit: int, line: int) -> None:
-        """Check that the obstacle moved by at most one cell, and not into a robot that stands."""
-        if self.truth is None or self.decision is None:
-            return
-        before = self.obstacle.place[self.scene.index(self.truth)]
-        if not self.obstacle.next_of[before] >> bit & 1:
-            raise self.refuse("rules.md 4, obstacle", f"jumps from {self.truth}", line)
-        if self.order >= WAIT and self.obstacle.domain[bit] == self.decision.cell:
-            raise self.refuse("rules.md 4, assumption (a)", "the obstacle walks into a robot that stands", line)
-
-    def _compare(self, record: Turn, expected: Decision) -> None:
-        """Compare a decision record with the decision that the rules give."""
-        if self.scene.index(self.cell) != expected.cell:
-            raise self.refuse("rules.md 5, composition (2)", f"the robot has walked to {self.cell}", record.line)
-        known: Known = expected.known
-        visible = [self.obstacle.domain[known.visible]] if known.visible >= 0 else []
-        own = {
-            "cell": (record.cell, self.scene.cell(expected.cell)),
-            "heading": (int(record.heading), expected.heading),
-            "goal": (record.goal, expected.goal),
-            "visible": (list(record.visible), [self.scene.cell(cell) for cell in visible]),
-            "hidden": (set(record.hidden), {self.scene.cell(cell) for cell in self.obstacle.cells(known.hidden)}),
-        }
-        for name, (found, derived) in own.items():
-            if found != derived:
-                rule = "rules.md 4, belief" if name in ("visible", "hidden") else f"rules.md 4, {name}"
-                raise self.refuse(rule, f"{name} is not what the rules give", record.line)
-
     def _context(self, line: int) -> int:
         order = STOP if self.order >= WAIT else self.order
         there = self.cell if order == STOP else self.scene.target(self.cell, Direction(order))
@@ -173,7 +108,7 @@ class _Replayer:
 
     def step(self, record: Step) -> None:
         """Follow a walking step: the state, the action, the outcome."""
-        if self.decision is None or self.achieved:
+        if self.decider.decision is None or self.achieved:
             raise self.refuse("formats.md 3, step", "a step without a pending order", record.line)
         if (record.step, record.turn) != (len(self.done.walked), self.done.turns - 1):
             raise self.refuse("formats.md 3, step", f"has to be step {len(self.done.walked)}", record.line)
@@ -186,11 +121,22 @@ class _Replayer:
         if abs(record.sagittal) > far or abs(record.lateral) > wide:
             raise self.refuse("rules.md 5, outcomes", "the outcome is none of the action's", record.line)
         order = int(rules.order[self.context])
-        after = moved(rules, self.core, order, record.action, record.sagittal, record.lateral)
+        after = self._displaced(record, moved(rules, self.core, order, record.action, record.sagittal, record.lateral))
         status, achieved, crossed = landed(rules, self.core, self.context, record.action, after)
         if status != FINE:
             raise self.refuse("rules.md 5, lost", "the outcome is lost", record.line)
         self._arrive(record, after, bool(achieved), int(crossed))
+
+    def _displaced(self, record: Step, after: Core) -> Core:
+        """Return the state after a step whose push displaced its waypoint, or put off its stop."""
+        put_off = record.push is not None and record.push.put_off
+        if put_off and record.action != STOPPING:
+            raise self.refuse("formats.md 3, pushes", "only a stop can be put off", record.line)
+        self.pushed = self.pushed or record.push is not None
+        if record.moved != (0, 0) and not self.pushed:
+            raise self.refuse("formats.md 3, pushes", "a waypoint moves before the first push", record.line)
+        row, column, heading, stance, mode = (int(value) for value in after)
+        return row + record.moved[0], column + record.moved[1], heading, stance, WALKING if put_off else mode
 
     def _arrive(self, record: Step, after: Core, achieved: bool, crossed: int) -> None:
         n, cell = int(self.actions.rules.sizes[0]), self.cell
@@ -211,24 +157,22 @@ class _Replayer:
         return heading_changes_rad(self.actions.rules, self.core, contexts)
 
 
-def replay(
-    scene: Scene,
-    claims: Claims,
-    obstacle: Obstacle,
-    table: Table,
-    actions: ActionTable,
-    records: tuple[Turn | Step | Unsafe, ...],
-    ledger: Ledger,
-) -> Replayed:
+def replay(run: RunFile, scene: Scene, claims: Claims, table: Table, actions: ActionTable, ledger: Ledger) -> Replayed:
     """Follow a log through both games until it leaves them or ends."""
     done = Replayed([0] * len(claims.goals))
-    player = _Replayer(scene, claims, obstacle, table, actions, ledger, done, start_core(claims), claims.start)
+    decider = Decider(scene, claims, table, actions, run.breaks_assumptions, ledger, done.goals_reached)
+    player = _Replayer(scene, claims, decider, actions, ledger, done, start_core(claims), claims.start)
     try:
-        for record in records:
+        for record in run.records:
             if isinstance(record, Turn):
                 player.turn(record)
             elif isinstance(record, Step):
                 player.step(record)
-    except _BrokenLogError:
+            elif isinstance(record, Violation | Replan):
+                decider.note(record)
+        if run.end is not None and (decider.violations or decider.replan):
+            raise decider.refuse("formats.md 3, violation", "no decision follows it", run.end.line)
+    except BrokenLogError:
         done.whole = False
+    ledger.counts["replans"], ledger.counts["belief_violations"] = decider.strategies, decider.belief_violations
     return done

@@ -36,6 +36,17 @@ def verify_path(path: Path | str, specification: Path | None = None) -> Report:
 
         check_strategy(path, ledger, specification)
         return ledger.report("gr1-strategy")
+    if _kind(path) == "gr1-ranking":
+        from surefoot.verify.gr1_ranking import check_ranking
+
+        check_ranking(path, ledger, specification)
+        return ledger.report("gr1-ranking")
+    library = path / "library.json" if path.is_dir() else path
+    if specification is None and _kind(library) == "skill-library":
+        from surefoot.verify.skills import check_library
+
+        check_library(library, ledger)
+        return ledger.report("skill-library")
     if _kind(path) == "terrain":
         from surefoot.verify.terrain_polygons import check_terrain
 
@@ -59,6 +70,9 @@ def verify_path(path: Path | str, specification: Path | None = None) -> Report:
 
         check_plan(folder, ledger)
         return ledger.report("biped-plan")
+    if (folder / "checks.jsonl").is_file():
+        message = "is a library of skills whose synthesis was interrupted; `surefoot skills synthesize` goes on with it"
+        raise InputError(message, source=folder)
     raise InputError("holds neither plan.json nor run.jsonl", source=path)
 
 

@@ -6,15 +6,16 @@ from itertools import pairwise
 from pathlib import Path
 
 from surefoot.verify.action import read_action_table
-from surefoot.verify.belief import Obstacle
+from surefoot.verify.decisions import WAIT
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footing import check_feet, check_supports
 from surefoot.verify.motion import check_motion
-from surefoot.verify.navigation import WAIT, read_table
-from surefoot.verify.plan_check import open_plan
+from surefoot.verify.plan_check import open_plan, open_table
 from surefoot.verify.posture import check_posture
+from surefoot.verify.push_file import Fall
+from surefoot.verify.pushed_steps import check_pushes
 from surefoot.verify.replay import Replayed, replay
-from surefoot.verify.run_file import End, RunFile, Step, Turn, Unsafe, read_run
+from surefoot.verify.run_file import End, RunFile, Step, Turn, Unsafe, Violation, read_run
 
 MOST_IDLE_TURNS = 1000
 """A walk is given up when more decisions on end than this one brought no step."""
@@ -31,14 +32,17 @@ def check_run(folder: Path, ledger: Ledger) -> None:
     if ledger.total:
         return
     scene, claims = opened.scene, opened.claims
-    obstacle, table = Obstacle(scene), read_table(opened.plan, scene, ledger)
-    actions = read_action_table(opened.plan, claims, ledger)
-    if ledger.total or actions is None:
+    table, actions = open_table(opened, ledger), read_action_table(opened.plan, claims, ledger)
+    if table is None or actions is None:
         return
+    if run.kinds != tuple(kind.members for kind in scene.obstacle_kinds):
+        ledger.refuse("rules.md 4, kinds", "are not the scenario's", "run.jsonl line 1")
     _count_records(run, ledger)
     _check_length(run, ledger)
-    done = replay(scene, claims, obstacle, table, actions, run.records, ledger)
+    done = replay(run, scene, claims, table, actions, ledger)
     check_motion(scene, claims, done.walked, ledger)
+    falls = [record for record in run.records if isinstance(record, Fall)]
+    check_pushes(scene, claims, done.walked, falls, run.pushing, ledger)
     check_posture(scene, claims, done.walked, ledger)
     check_feet(scene, done.walked, ledger)
     check_supports(scene, done.walked, ledger)
@@ -58,7 +62,8 @@ def _count_records(run: RunFile, ledger: Ledger) -> None:
         entered = before.cell in after.obstacles and before.cell != after.cell
         if entered and after.line not in met:
             met.append(after.line)
-    for line in met:
+    allowed = _lawless_turns(run)
+    for line in (line for line in met if line not in allowed):
         text = "robot and obstacle share a cell, or the obstacle enters the cell that the robot has just left"
         ledger.refuse("rules.md 4, collision", text, f"run.jsonl line {line}")
     for record in unsafe:
@@ -66,8 +71,20 @@ def _count_records(run: RunFile, ledger: Ledger) -> None:
     ledger.counts["steps"] = len(steps)
     ledger.counts["turns_coarse"] = len(turns)
     ledger.counts["collisions"] = len(met)
+    ledger.counts["assumption_violations"] = sum(isinstance(record, Violation) for record in run.records)
     ledger.counts["unsafe_steps"] = len(unsafe)
     ledger.counts["waypoint_corrections"] = sum(record.lateral != 0 for record in steps)
+
+
+def _lawless_turns(run: RunFile) -> set[int]:
+    """Return the lines of the decisions before which an assumption was broken, or no strategy decided.
+
+    What an obstacle does then is no fault of the robot's.
+    """
+    turns = [record for record in run.records if isinstance(record, Turn)]
+    broken = {record.turn for record in run.records if isinstance(record, Violation)}
+    lines = {record.line for record in turns if record.turn in broken}
+    return lines | {after.line for before, after in pairwise(turns) if before.strategy < 0}
 
 
 def _check_length(run: RunFile, ledger: Ledger) -> None:
@@ -76,7 +93,7 @@ def _check_length(run: RunFile, ledger: Ledger) -> None:
     ledger.counts["complete"] = run.end is not None and walked == run.steps
     if walked > run.steps:
         ledger.refuse(rule, f"{walked} steps are logged, and the header has {run.steps}", "run.jsonl line 1")
-    unsafe = any(isinstance(record, Unsafe) for record in run.records)
+    unsafe = any(isinstance(record, Unsafe | Fall) for record in run.records)
     if walked < run.steps and run.end is not None and not unsafe and not _given_up(run):
         message = f"the walk ends after {walked} of {run.steps} steps, neither unsafe nor given up"
         ledger.refuse(rule, message, f"run.jsonl line {run.end.line}")
@@ -92,7 +109,7 @@ def _check_times(run: RunFile, ledger: Ledger) -> None:
     """Refuse time that runs backwards."""
     last = 0.0
     for record in run.records:
-        if isinstance(record, Turn | Step):
+        if not isinstance(record, Unsafe | Fall):
             if record.time_s < last - 1e-6:
                 ledger.refuse("formats.md 3, time_s", "runs backwards", f"run.jsonl line {record.line}")
             last = record.time_s

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from surefoot.errors import InputError
 from surefoot.frames import Direction
 from surefoot.verify.artefacts import check_kind, checked_file, parse_json, read_bytes
+from surefoot.verify.push_file import TRANSITIONS, Fall, Push, Pushing, read_fall, read_push, read_pushing
 from surefoot.verify.scenario import HEADINGS
 from surefoot.verify.values import Fields
 
@@ -40,9 +42,39 @@ class Turn:
     heading: Direction
     goal: int
     obstacles: tuple[Cell, ...]
-    visible: tuple[Cell, ...]
-    hidden: tuple[Cell, ...]
+    visible: tuple[tuple[Cell, ...], ...]
+    hidden: tuple[tuple[Cell, ...], ...]
     order: int
+    strategy: int
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """An obstacle broke an assumption, as the robot saw at the end of the turn before."""
+
+    line: int
+    turn: int
+    time_s: float
+    name: str
+    kind: int
+    cell: Cell | None
+
+
+@dataclass(frozen=True, slots=True)
+class Replan:
+    """A strategy that was planned in the middle of a walk, from what was known then."""
+
+    line: int
+    turn: int
+    time_s: float
+    strategy: int
+    cell: Cell
+    heading: Direction
+    goal: int
+    visible: tuple[tuple[Cell, ...], ...]
+    hidden: tuple[tuple[Cell, ...], ...]
+    domains: tuple[tuple[Cell, ...], ...]
+    path: Path
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +107,10 @@ class Step:
     rise: Support | None
     rest: Support | None
     closing_foot_m: Vector | None
+    transition: str | None
+    moved: tuple[int, int]
+    side_speed_mps: float | None
+    push: Push | None
 
     @property
     def duration_s(self) -> float:
@@ -88,6 +124,9 @@ class Unsafe:
 
     line: int
     step: int
+
+
+Record = Turn | Step | Unsafe | Fall | Violation | Replan
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,13 +147,19 @@ class RunFile:
     Attributes:
         plan_folder: the plan that was walked.
         steps: how many steps were to be walked.
-        records: turns, steps and unsafe stops in the order of the file.
+        kinds: the obstacles of every kind.
+        breaks_assumptions: whether the obstacles may break their assumptions.
+        pushing: which pushes the header allows.
+        records: everything between header and end, in the order of the file.
         end: the end record; None when the log just ends.
     """
 
     plan_folder: Path
     steps: int
-    records: tuple[Turn | Step | Unsafe, ...]
+    kinds: tuple[tuple[int, ...], ...]
+    breaks_assumptions: bool
+    pushing: Pushing
+    records: tuple[Record, ...]
     end: End | None
 
 
@@ -132,24 +177,26 @@ def read_run(folder: Path) -> RunFile:
     if header.text("record") != "header":
         raise header.wrong("record", "has to be header in the first line")
     plan_folder = _check_header(header, folder)
-    records: list[Turn | Step | Unsafe] = []
+    records: list[Record] = []
     end = None
     for number, text in enumerate(lines[1:], start=2):
         if end is not None:
             raise InputError("follows the end record, which has to be the last", source=path, line=number)
         fields = _fields(text, path, number)
-        kind = fields.text("record", among=("turn", "step", "unsafe", "end"))
+        kind = fields.text("record", among=(*_READERS, "replan", "end"))
         if kind == "end":
             end = _end(fields, number)
         else:
-            records.append(_record(kind, fields, number))
-    return RunFile(plan_folder, header.whole("steps", least=0), tuple(records), end)
-
-
-def _record(kind: str, fields: Fields, line: int) -> Turn | Step | Unsafe:
-    if kind == "turn":
-        return _turn(fields, line)
-    return _step(fields, line) if kind == "step" else _unsafe(fields, line)
+            records.append(_replan(fields, number, folder) if kind == "replan" else _READERS[kind](fields, number))
+    return RunFile(
+        plan_folder=plan_folder,
+        steps=header.whole("steps", least=0),
+        kinds=tuple(header.lists_of_wholes("kinds")),
+        breaks_assumptions=header.flag("breaks_assumptions"),
+        pushing=read_pushing(header, folder),
+        records=tuple(records),
+        end=end,
+    )
 
 
 def _fields(text: bytes, path: Path, line: int) -> Fields:
@@ -163,7 +210,9 @@ def _check_header(header: Fields, folder: Path) -> Path:
     seed = header.get("seed")
     if type(seed) is not int or seed < 0:
         raise header.wrong("seed", "has to be a whole number, at least 0")
-    header.text("policy", among=POLICIES)
+    policy = header.text("policy", among=POLICIES)
+    if header.flag("breaks_assumptions") and policy != "scripted":
+        raise header.wrong("breaks_assumptions", "can only be true with policy scripted")
     checked_file(header.mapping("scenario"), folder)
     checked_file(header.mapping("map"), folder)
     plan = header.mapping("plan")
@@ -187,9 +236,37 @@ def _turn(fields: Fields, line: int) -> Turn:
         heading=Direction(HEADINGS.index(fields.text("heading", among=HEADINGS))),
         goal=fields.whole("goal", least=0),
         obstacles=fields.cells("obstacles"),
-        visible=fields.cells("visible"),
-        hidden=fields.cells("hidden"),
+        visible=fields.lists_of_cells("visible"),
+        hidden=fields.lists_of_cells("hidden"),
         order=_ORDERS.index(fields.text("order", among=_ORDERS)),
+        strategy=fields.whole("strategy", least=-1),
+    )
+
+
+def _violation(fields: Fields, line: int) -> Violation:
+    return Violation(
+        line=line,
+        turn=fields.whole("turn", least=0),
+        time_s=fields.number("time_s"),
+        name=fields.text("violation"),
+        kind=fields.whole("kind", least=0),
+        cell=fields.cell("cell") if _given(fields, "cell") else None,
+    )
+
+
+def _replan(fields: Fields, line: int, folder: Path) -> Replan:
+    return Replan(
+        line=line,
+        turn=fields.whole("turn", least=0),
+        time_s=fields.number("time_s"),
+        strategy=fields.whole("strategy", least=1),
+        cell=fields.cell("cell"),
+        heading=Direction(HEADINGS.index(fields.text("heading", among=HEADINGS))),
+        goal=fields.whole("goal", least=0),
+        visible=fields.lists_of_cells("visible"),
+        hidden=fields.lists_of_cells("hidden"),
+        domains=fields.lists_of_cells("domains"),
+        path=checked_file(fields, folder),
     )
 
 
@@ -216,6 +293,10 @@ def _step(fields: Fields, line: int) -> Step:
         rise=_support(fields, "rise"),
         rest=_support(fields, "rest"),
         closing_foot_m=np.array(fields.numbers("closing_foot_m", 3)) if _given(fields, "closing_foot_m") else None,
+        transition=fields.text("transition", among=TRANSITIONS) if _given(fields, "transition") else None,
+        moved=fields.cell("moved_cells") if _given(fields, "moved_cells") else (0, 0),
+        side_speed_mps=fields.number("next_side_speed_mps") if _given(fields, "next_side_speed_mps") else None,
+        push=read_push(fields),
     )
 
 
@@ -244,3 +325,12 @@ def _end(fields: Fields, line: int) -> End:
         goals_reached=fields.wholes("goals_reached"),
         time_s=fields.number("time_s"),
     )
+
+
+_READERS: dict[str, Callable[[Fields, int], Record]] = {
+    "turn": _turn,
+    "step": _step,
+    "unsafe": _unsafe,
+    "fall": read_fall,
+    "violation": _violation,
+}

@@ -13,6 +13,9 @@ from surefoot.frames import Direction
 from surefoot.verify.values import Fields, Rectangle
 
 LARGEST_BYTES = 4_000_000
+BELIEFS = ("regions", "exact", "single", "automatic")
+BY_SIZE = "by size"
+FASTEST_CELLS = 3
 HEADINGS = tuple(direction.name.lower() for direction in Direction)
 _REQUIRED = ("format", "kind", "map", "grid", "start", "goals", "sensor")
 _TOP = (*_REQUIRED, "map_resolution_m", "robot", "obstacles", "belief_regions", "heights", "navigation", "walking")
@@ -59,10 +62,11 @@ class StairsPart:
 
 @dataclass(frozen=True, slots=True)
 class ObstaclePart:
-    """A moving obstacle: where it starts and where it never goes."""
+    """A moving obstacle: where it starts, where it never goes, and how many cells it moves in a turn at most."""
 
     start_m: tuple[float, float]
     forbidden: tuple[Rectangle, ...]
+    speed_cells: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +92,7 @@ class Scenario:
     view_post: bool
     corners_hide: bool
     belief: str
+    tell_apart: bool
     walking: dict[str, float | tuple[float, ...]]
 
 
@@ -116,7 +121,10 @@ def read_scenario(path: Path) -> Scenario:
     heights = top.mapping("heights", optional=True)
     heights.only(("floors", "stairs"))
     game = top.mapping("navigation", optional=True)
-    game.only(("view", "corners", "belief"))
+    game.only(("view", "corners", "belief", "belief_precision", "belief_tracking"))
+    belief = game.text("belief", "regions" if regions else BY_SIZE, among=(*BELIEFS, BY_SIZE))
+    if game.has("belief_precision") and belief != "automatic":
+        raise game.wrong("belief_precision", "is only for belief: automatic")
     return Scenario(
         path=path,
         map_path=path.parent / top.text("map"),
@@ -136,9 +144,8 @@ def read_scenario(path: Path) -> Scenario:
         stairs=tuple(_stairs(part) for part in heights.mappings("stairs", optional=True)),
         view_post=game.text("view", "post", among=("post", "pre")) == "post",
         corners_hide=game.text("corners", "visible", among=("visible", "hidden")) == "hidden",
-        belief=game.text(
-            "belief", "regions" if regions else "by size", among=("regions", "exact", "single", "by size")
-        ),
+        belief=belief,
+        tell_apart=game.text("belief_tracking", "joint", among=("joint", "separate")) == "separate",
         walking=_walking(top.mapping("walking", optional=True), cell_size_m),
     )
 
@@ -161,11 +168,14 @@ def _region(fields: Fields) -> tuple[Rectangle, ...]:
 
 
 def _obstacle(fields: Fields) -> ObstaclePart:
-    fields.only(("start_m", "forbidden"))
+    fields.only(("start_m", "forbidden", "speed_cells"))
     forbidden = fields.mappings("forbidden", optional=True)
     for part in forbidden:
         part.only(("rectangle_m",))
-    return ObstaclePart(fields.point("start_m"), tuple(part.rectangle("rectangle_m") for part in forbidden))
+    rectangles = tuple(part.rectangle("rectangle_m") for part in forbidden)
+    return ObstaclePart(
+        fields.point("start_m"), rectangles, fields.whole("speed_cells", 1, least=1, most=FASTEST_CELLS)
+    )
 
 
 def _floor(fields: Fields) -> FloorPart:

@@ -23,14 +23,29 @@ STOP = 4
 
 
 @dataclass(frozen=True, slots=True)
+class ObstacleKind:
+    """Obstacles that nobody tells apart: the same domain and the same speed (rules.md 4, kinds).
+
+    Attributes:
+        members: numbers of the obstacles, ascending.
+        domain: cells that they may be in, ascending.
+        speed_cells: how many cells they move in a turn at most.
+    """
+
+    members: tuple[int, ...]
+    domain: tuple[int, ...]
+    speed_cells: int
+
+
+@dataclass(frozen=True, slots=True)
 class Scene:
     """Everything that the two games need, derived from scenario and map alone.
 
     Attributes:
         solid: pixels that no foot may stand on.
         sees: (cells, cells), by row * columns + column.
-        domain: cells of the obstacle, ascending; empty without an obstacle.
-        regions: sets of cells; the last one is the rest of the free cells.
+        obstacle_kinds: in the order of their first obstacles.
+        regions: those of the scenario, cut with the free cells; the rest of the free cells is one more.
         kinds: index of each free cell's profile, 0 for flat; None in ``profiles`` is flat.
         contexts: (profile here, order, profile there), order 4 is stop.
     """
@@ -42,7 +57,7 @@ class Scene:
     frame: GridFrame
     terrain: Terrain
     sees: NDArray[np.bool_]
-    domain: tuple[int, ...]
+    obstacle_kinds: tuple[ObstacleKind, ...]
     regions: tuple[frozenset[int], ...]
     profiles: tuple[CellProfile | None, ...]
     kinds: dict[Cell, int]
@@ -51,6 +66,15 @@ class Scene:
     def index(self, cell: Cell) -> int:
         """Return the number of a cell."""
         return cell[0] * self.frame.columns + cell[1]
+
+    @property
+    def obstacles(self) -> int:
+        """Return how many obstacles there are."""
+        return sum(len(kind.members) for kind in self.obstacle_kinds)
+
+    def inside(self, cell: Cell) -> bool:
+        """Return whether a cell lies in the grid's rectangle."""
+        return 0 <= cell[0] < self.frame.rows and 0 <= cell[1] < self.frame.columns
 
     def cell(self, index: int) -> Cell:
         """Return the cell of a number."""
@@ -85,7 +109,7 @@ def derive_scene(scenario: Scenario) -> Scene:
         frame=frame,
         terrain=terrain,
         sees=sight(free, scenario.cell_size_m, scenario.range_m, scenario.corners_hide),
-        domain=_domain(scenario, frame, free),
+        obstacle_kinds=_obstacle_kinds(scenario, frame, free),
         regions=_regions(scenario, frame, free),
         profiles=profiles,
         kinds=kinds,
@@ -141,32 +165,33 @@ def _contexts(terrain: Terrain, kinds: dict[Cell, int]) -> frozenset[Context]:
     return frozenset(found)
 
 
-def _domain(scenario: Scenario, frame: GridFrame, free: NDArray[np.bool_]) -> tuple[int, ...]:
-    """Return the cells of the obstacle."""
-    if len(scenario.obstacles) > 1:
-        raise InputError("names more than one obstacle; the rules know one", source=scenario.path, key="obstacles")
-    if not scenario.obstacles:
-        return ()
-    allowed = free.copy()
-    for corners in scenario.obstacles[0].forbidden:
-        allowed &= ~frame.wholly_inside(corners)
-    return tuple(int(index) for index in np.flatnonzero(allowed))
+def _obstacle_kinds(scenario: Scenario, frame: GridFrame, free: NDArray[np.bool_]) -> tuple[ObstacleKind, ...]:
+    """Return the obstacles by kind; with separate beliefs every obstacle is told apart from all others."""
+    members: dict[tuple[tuple[int, ...], int, int], list[int]] = {}
+    for number, part in enumerate(scenario.obstacles):
+        allowed = free.copy()
+        for corners in part.forbidden:
+            allowed &= ~frame.wholly_inside(corners)
+        domain = tuple(int(index) for index in np.flatnonzero(allowed))
+        apart = number if scenario.tell_apart else 0
+        members.setdefault((domain, part.speed_cells, apart), []).append(number)
+    return tuple(ObstacleKind(tuple(found), domain, speed) for (domain, speed, _), found in members.items())
 
 
 def _regions(scenario: Scenario, frame: GridFrame, free: NDArray[np.bool_]) -> tuple[frozenset[int], ...]:
-    """Return the belief regions, cut with the free cells, and last the rest."""
-    rest = free.copy()
+    """Return the belief regions, cut with the free cells."""
+    taken = np.zeros_like(free)
     found = []
     for number, rectangles in enumerate(scenario.regions):
         part = np.zeros_like(free)
         for corners in rectangles:
             part |= frame.centered_in(corners)
         part &= free
-        if bool((part & ~rest).any()):
+        if bool((part & taken).any()):
             raise InputError("overlaps another region", source=scenario.path, key=f"belief_regions[{number}]")
-        rest &= ~part
+        taken |= part
         found.append(frozenset(int(index) for index in np.flatnonzero(part)))
-    return (*found, frozenset(int(index) for index in np.flatnonzero(rest)))
+    return tuple(found)
 
 
 def fine_center_m(scene: Scene, cell: Cell, fine: Cell) -> tuple[float, float]:

@@ -140,6 +140,18 @@ class Fields:
             found.append((int(pair[0]), int(pair[1])))
         return tuple(found)
 
+    def lists_of_cells(self, name: str) -> tuple[tuple[tuple[int, int], ...], ...]:
+        """Return a list of lists of (row, column)."""
+        return tuple(part.cells(name) for part in self._parts(name))
+
+    def lists_of_wholes(self, name: str) -> tuple[tuple[int, ...], ...]:
+        """Return a list of lists of whole numbers."""
+        return tuple(part.wholes(name) for part in self._parts(name))
+
+    def _parts(self, name: str) -> list[Fields]:
+        """Return the entries of a list, each under the list's name."""
+        return [Fields({name: value}, self.source, self.place, self.line) for value in self.items(name)]
+
     def mapping(self, name: str, *, optional: bool = False) -> Fields:
         """Return a mapping inside this one."""
         value = {} if optional and name not in self.values else self.get(name)

@@ -1,0 +1,82 @@
+"""Checks the certificate of a skill: a foothold plan that goes from one cell to the next in the skill's direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from surefoot.compute import sha256_of
+from surefoot.errors import InputError
+from surefoot.verify.artefacts import parse_json, read_bytes
+from surefoot.verify.findings import Ledger
+from surefoot.verify.footholds import check_footholds
+from surefoot.verify.values import Fields
+
+WAYS = {"forward": (-1, 0), "backward": (1, 0), "left": (0, -1), "right": (0, 1)}
+"""The change of (row, column) of a move; row 0 is ahead, column 0 to the left."""
+
+
+def certificate_problem(check: Fields, way: str, cell_m: float, known: dict[str, Motion]) -> str:
+    """Return what is wrong with the plan of a feasible check; empty if nothing is.
+
+    Args:
+        check: the check.
+        way: the direction of its primitive.
+        cell_m: side of a cell [m].
+        known: plans that were checked before, by hash; grows.
+    """
+    if check.get("plan") is None:
+        return "has no plan that could be checked"
+    named = check.mapping("plan")
+    folder = check.source.parent
+    path = folder / named.text("path")
+    if not path.resolve().is_relative_to((folder / "plans").resolve()):
+        return f"names {named.text('path')}, which is not in plans/"
+    if not path.is_file() or sha256_of(path) != named.text("sha256"):
+        return f"has a plan that is missing or was changed, {named.text('path')}"
+    sha256 = named.text("sha256")
+    if sha256 not in known:
+        known[sha256] = Motion.of(path)
+    if known[sha256].problem:
+        return known[sha256].problem
+    return known[sha256].not_one_cell(way, cell_m / 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A plan as it was checked; several primitives may have the same one.
+
+    Attributes:
+        problem: why it certifies nothing; empty if it does.
+        ahead_m: how far it goes forward.
+        left_m: how far it goes to the left.
+    """
+
+    problem: str
+    ahead_m: float = 0.0
+    left_m: float = 0.0
+
+    @classmethod
+    def of(cls, path: Path) -> Motion:
+        """Check a plan."""
+        own = Ledger()
+        try:
+            check_footholds(path, own)
+            values = Fields.of(parse_json(read_bytes(path), path), path).mapping("values")
+            start, goal = (values.mapping(end).numbers("position_m", 3) for end in ("start", "goal"))
+        except InputError as problem:
+            return cls(f"has a plan that cannot be read: {problem.key or path.name} {problem.message}")
+        if own.total or own.counts.get("verdict") != "feasible":
+            return cls(f"has a plan that is refused: {own.kept[0] if own.kept else 'it claims no motion'}")
+        return cls("", goal[0] - start[0], goal[1] - start[1])
+
+    def not_one_cell(self, way: str, half_m: float) -> str:
+        """Return that the motion does not lead to the next cell in a direction; empty if it does."""
+        down, right = WAYS[way]
+        along_m = -down * self.ahead_m - right * self.left_m
+        across_m = down * self.left_m - right * self.ahead_m
+        if half_m < along_m < 3 * half_m and abs(across_m) < half_m:
+            return ""
+        return (
+            f"has a plan that goes {self.ahead_m:.2f} m ahead and {self.left_m:.2f} m to the left, not one cell {way}"
+        )
