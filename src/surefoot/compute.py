@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import hashlib
+import multiprocessing
 import os
 import resource
+import signal
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
+from typing import IO, TypeVar
 
 from surefoot.errors import InputError, LimitExceeded
+
+T = TypeVar("T")
+R = TypeVar("R")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +37,62 @@ class Deadline:
         """Return the deadline that many seconds from now; None means none."""
         return cls() if seconds is None else cls(time.monotonic() + seconds)
 
+    @property
+    def left_s(self) -> float | None:
+        """Seconds that are left, at least 0; None without a deadline."""
+        return None if self.end_s == float("inf") else max(self.end_s - time.monotonic(), 0.0)
+
     def check(self, work: str) -> None:
         """Raise LimitExceeded, naming the work, once the time is over."""
         if time.monotonic() > self.end_s:
             raise LimitExceeded(f"{work}: the time limit was reached")
+
+
+@contextmanager
+def process_pool(workers: int | None = None, *, preload: Sequence[str] = ()) -> Iterator[Executor]:
+    """Yield an executor over processes; whatever still runs at the end of the block is stopped.
+
+    Args:
+        workers: how many processes; None means one per core that this process may use.
+        preload: modules that are imported once for all workers, where no pool of this process was used before.
+    """
+    count = workers or len(os.sched_getaffinity(0))
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(list(preload))
+    pool = ProcessPoolExecutor(count, context, _ignore_interrupts)
+    try:
+        yield pool
+    finally:
+        started = list((pool._processes or {}).values())
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in started:
+            process.terminate()
+
+
+def _ignore_interrupts() -> None:
+    """Leave interruption to the parent, which stops its workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def each_answer(
+    executor: Executor, function: Callable[[T], R], items: Sequence[T], deadline: Deadline
+) -> Iterator[tuple[int, R | None]]:
+    """Yield the index of every item with its answer, as soon as each is known; None for what the deadline left open.
+
+    Args:
+        executor: any; ``process_pool()`` yields one, and so does a Dask client.
+        function: of one item; it and the items have to be picklable.
+        items: what to ask about.
+        deadline: after it, what is not answered is given up.
+    """
+    places: dict[Future[R], int] = {executor.submit(function, item): index for index, item in enumerate(items)}
+    try:
+        for future in as_completed(places, timeout=deadline.left_s):
+            yield places.pop(future), future.result()
+    except TimeoutError:
+        for future, index in sorted(places.items(), key=lambda pair: pair[1]):
+            future.cancel()
+            yield index, None
 
 
 @contextmanager

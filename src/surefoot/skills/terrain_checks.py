@@ -1,0 +1,57 @@
+"""Physics for the library of a terrain: trots for the first skills; for suggestions also what else there is."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict, replace
+
+from surefoot.skills.making import Checks
+from surefoot.skills.physics import INITIAL_GAITS, REPAIR_GAITS, Limits, PhysicsOfClasses, start_primitives
+from surefoot.skills.quadruped_terrain import QuadrupedTerrain
+from surefoot.skills.values import CheckResult, PhysicsCheck, Primitive
+
+
+def terrain_checks(terrain: QuadrupedTerrain, executor: Executor, *, time_limit_s: float | None = None) -> Checks:
+    """Return who answers about the primitives of a terrain.
+
+    Args:
+        terrain: its classes, cell and robot count; its polygons do not.
+        executor: where the programs are solved.
+        time_limit_s: of one search for a motion; None: as physics has it.
+    """
+    limits = Limits() if time_limit_s is None else Limits(time_limit_s=time_limit_s)
+    start = start_primitives(terrain.classes)
+
+    def physics(gaits: Sequence[str]) -> PhysicsOfClasses:
+        tried = replace(limits, gaits=tuple(gaits))
+        return PhysicsOfClasses(
+            terrain.classes, cell_m=terrain.cell_m, robot=terrain.robot, limits=tried, executor=executor
+        )
+
+    trots = physics(INITIAL_GAITS)
+    robot = json.dumps(asdict(trots.robot), sort_keys=True, default=str)
+    made_with = {
+        "classes": terrain.classes.name,
+        "rules_sha256": terrain.classes.digest,
+        "robot": terrain.robot,
+        "robot_sha256": hashlib.sha256(robot.encode()).hexdigest(),
+        "cell_m": terrain.cell_m,
+        "start_gaits": list(INITIAL_GAITS),
+        "repair_gaits": list(REPAIR_GAITS),
+        "collision": limits.collision,
+    }
+    repair = _by_need(frozenset(start), physics(REPAIR_GAITS), physics((*INITIAL_GAITS, *REPAIR_GAITS)))
+    return Checks(repair, made_with, start, trots)
+
+
+def _by_need(failed: frozenset[Primitive], others: PhysicsCheck, all_of_them: PhysicsCheck) -> PhysicsCheck:
+    """Return physics that does not try again the gaits with which the primitives of the start failed."""
+
+    def check(primitives: Sequence[Primitive]) -> Iterator[CheckResult]:
+        yield from all_of_them([one for one in primitives if one not in failed])
+        yield from others([one for one in primitives if one in failed])
+
+    return check
