@@ -167,6 +167,24 @@ def test_exports(tmp_path: Path, capsys: Capture, name: str, begins: str) -> Non
     assert other.read_text() == text
 
 
+def test_a_ranking_is_saved_verified_played_and_not_exported(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, text = str(tmp_path / "r.json"), "[INPUT]\na\n[OUTPUT]\nx:0...3\n[ENV_INIT]\n!a\n[SYS_LIVENESS]\nx = 3 & a\n"
+    text += "[ENV_LIVENESS]\na\n[SYS_TRANS]\nx' <= x + 1\n"
+    found = answered(["synth", spec(tmp_path, text), "--strategy", "ranking", "-o", path], capsys)
+    assert (found["strategy"], found["certificate"], found["strategy_states"]) == ("ranking", "full", None)
+    assert answered(["verify", path], capsys)["holds"]
+    played = answered(["simulate", path, "--steps", "40"], capsys)
+    assert len(played["steps"]) == 40
+    assert played["goals_met"][0]["times"] > 5
+    monkeypatch.setattr("sys.stdin", io.StringIO("a=1\nx=2\na=0\na=1\n"))
+    typed = answered(["simulate", path, "--typed"], capsys)
+    assert [step["values"]["a"] for step in typed["steps"]] == [0, 1]
+    assert typed["ended"] == "no more moves were typed"
+    assert "--strategy listed" in answered(["export", path, "--format", "dot"], capsys, code=2)["error"]
+
+
 def test_a_damaged_strategy_is_refused_with_exit_code_1(tmp_path: Path, capsys: Capture) -> None:
     path = tmp_path / "strategy.json"
     answered(["synth", spec(tmp_path, DOOR), "-o", str(path)], capsys)

@@ -78,12 +78,41 @@ def test_cores_are_unrealizable_and_minimal(seed: int, semantics: str) -> None:
         with pytest.raises(ValueError, match="is realizable"):
             unrealizable_core(spec, semantics=semantics)
         return
-    core = unrealizable_core(spec, semantics=semantics)
+    found = unrealizable_core(spec, semantics=semantics)
+    core = found.lines
+    assert found.minimal
     candidates = spec.system_safety + spec.sys_liveness + (spec.sys_init if semantics == "slugs" else ())
     assert not solve_naively(keeping(spec, core, candidates), semantics=semantics).realizable
     for line in core:
         others = tuple(other for other in core if other is not line)
         assert solve_naively(keeping(spec, others, candidates), semantics=semantics).realizable
+
+
+def test_a_search_that_is_cut_short_returns_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    from surefoot.compute import Deadline
+    from surefoot.errors import LimitExceeded
+    from surefoot.games.subsets import Subsets
+
+    text = "[INPUT]\na\n[OUTPUT]\nc\nd\n[SYS_TRANS]\nc' <-> d'\nd' <-> a'\nc'\nd' | c'\n[SYS_LIVENESS]\nc\n"
+    spec = parse_structuredslugs(text)
+    honest, asked = Subsets.realizable, []
+
+    def tired(self: Subsets, kept: tuple[Conjunct, ...], deadline: Deadline) -> bool:
+        asked.append(kept)
+        if len(asked) > 3:
+            raise LimitExceeded("enough")
+        return honest(self, kept, deadline)
+
+    monkeypatch.setattr(Subsets, "realizable", tired)
+    core = unrealizable_core(spec)
+    assert not core.minimal
+    assert core.limit == "enough"
+    assert len(core.lines) > 2
+    assert not synthesize(keeping(spec, core.lines, spec.sys_trans + spec.sys_liveness)).verdict
+    monkeypatch.undo()
+    full = unrealizable_core(spec)
+    assert full.minimal
+    assert len(full.lines) == 3
 
 
 def test_remembered_sets_spare_questions() -> None:

@@ -46,30 +46,22 @@ def synthesis_figures(say: Say) -> Iterator[Figure]:
             say(f"{path} is absent; SUREFOOT_SPECS names the folder of specifications")
             continue
         say(f"deciding {name}")
-        runs = [_run(path) for _ in range(REPEATS)]
+        runs = [decide(path) for _ in range(REPEATS)]
         decided = all(run["verdict"] == "realizable" for run in runs)
         solve_s = statistics.median(run["solve_s"] for run in runs) if decided else float("inf")
         memory_mb = max(run["peak_mb"] for run in runs)
         what = f"synthesis {path.stem} ({runs[0]['engine']}):"
         yield Figure(f"{what} decided, CPU", solve_s, "s", target_s, "at most", slugs)
         yield Figure(f"{what} peak memory", memory_mb, "MB", None, "at most", "")
-    yield from _growth(say)
+    from surefoot.cli.bench_growth import growth_figures
+
+    yield from growth_figures(say)
 
 
-def _growth(say: Say) -> Iterator[Figure]:
-    """Measure how far the growing families are decided within a minute."""
-    from surefoot.games.benchmarks import growth
-    from surefoot.missions.benchmarks import Figure
-
-    for member in growth(say, limit_s=LIMIT_S):
-        seconds = float("inf") if member.solve_s is None else member.solve_s
-        yield Figure(f"growth {member.family} {member.size}: decided, CPU", seconds, "s", None, "at most", "")
-
-
-def _run(path: Path) -> dict[str, Any]:
-    """Decide one specification in a process of its own."""
+def decide(path: Path, limit_s: int = LIMIT_S) -> dict[str, Any]:
+    """Decide one specification in a process of its own; return what ``surefoot synth --json`` prints."""
     command = [sys.executable, "-m", "surefoot.cli", "synth", str(path), "--realizability-only", "--json"]
-    command += ["--time-limit", str(LIMIT_S)]
+    command += ["--time-limit", str(limit_s)]
     found = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
     value = json.loads(found.stdout)
     if "verdict" not in value:

@@ -63,11 +63,13 @@ class Explained:
 
     Attributes:
         core: lines that cannot be kept together.
+        minimal: whether each of them is needed.
         play: how the environment wins, see ``play_in_words``.
         limit: what kept the core from being found.
     """
 
     core: tuple[Conjunct, ...] = ()
+    minimal: bool = True
     play: dict[str, object] | None = None
     limit: str | None = None
 
@@ -84,8 +86,9 @@ def explain(
     """Say why a specification is unrealizable, or what is vacuous about a realizable one.
 
     The core is a minimal set of lines of the system that cannot be kept
-    together: without any one of them the rest is realizable. The play is a
-    shortest one in which the environment wins.
+    together: without any one of them the rest is realizable. When the time
+    limit ends the search, the smallest set so far is shown and marked. The
+    play is a shortest one in which the environment wins.
 
     Examples:
       surefoot explain spec.slugsin
@@ -115,6 +118,7 @@ def explain(
         found = {
             "verdict": verdict,
             "core": [conjunct_object(conjunct) for conjunct in core],
+            "core_minimal": explained.minimal,
             "play": play,
             "warnings": warning_objects(solved.warnings),
             "limit": solved.verdict.limit or explained.limit,
@@ -123,9 +127,10 @@ def explain(
     else:
         lines = [f"{spec}: {verdict}" + (f" ({solved.verdict.limit})" if solved.verdict.limit else "")]
         if core:
-            lines += ["", "Lines that cannot be kept together:", *(f"  {conjunct_line(c)}" for c in core)]
+            more = "" if explained.minimal else ", perhaps more than needed"
+            lines += ["", f"Lines that cannot be kept together{more}:", *(f"  {conjunct_line(c)}" for c in core)]
         if explained.limit:
-            lines.append(f"  {explained.limit}")
+            lines.append(f"  ({explained.limit})")
         if play is not None:
             lines += ["", "How the environment wins:", *play_words(specification, play)]
         print("\n".join([*lines, *warning_lines(solved.warnings)]))
@@ -137,25 +142,22 @@ def _explained(specification: Specification, options: Options) -> Explained:
     from surefoot.cli.play_in_words import play_object
     from surefoot.compute import Deadline
     from surefoot.errors import LimitExceeded
-    from surefoot.games import unrealizable_core
+    from surefoot.games import Core, unrealizable_core
 
-    core: tuple[Conjunct, ...] = ()
-    limit: str | None = None
     try:
         core = unrealizable_core(
             specification,
             semantics=options.semantics.value,
-            engine=options.engine.value,
             env_dead_end=options.env_dead_end.value,
             deadline=Deadline.after(options.time_limit),
         )
     except LimitExceeded as problem:
-        limit = str(problem)
-    for asked in (_reduced(specification, core), specification) if core else (specification,):
+        core = Core((), minimal=False, limit=str(problem))
+    for asked in (_reduced(specification, core.lines), specification) if core.lines else (specification,):
         solved = options.solve(asked)
         if solved.counter_strategy is not None:
-            return Explained(core, play_object(asked, solved.counter_strategy), limit)
-    return Explained(core, None, limit)
+            return Explained(core.lines, core.minimal, play_object(asked, solved.counter_strategy), core.limit)
+    return Explained(core.lines, core.minimal, None, core.limit)
 
 
 def _reduced(specification: Specification, core: tuple[Conjunct, ...]) -> Specification:

@@ -9,7 +9,9 @@ from typing import Annotated
 
 import typer
 
+from surefoot.cli.gr1 import kind_of
 from surefoot.cli.output import AsJson
+from surefoot.errors import InputError
 
 
 class Format(StrEnum):
@@ -43,6 +45,9 @@ def export(
     from surefoot.logic.exports import export as exported
     from surefoot.logic.strategy_file import load_strategy
 
+    if kind_of(strategy) == "gr1-ranking":
+        message = "is a ranking, which lists no states; surefoot synth --strategy listed writes a strategy to export"
+        raise InputError(message, source=strategy)
     text = exported(load_strategy(strategy).transducer, to.value)
     if output is not None:
         write_text_whole(output, text)

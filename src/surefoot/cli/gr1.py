@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -41,6 +43,14 @@ class EngineName(StrEnum):
     SYMBOLIC = "symbolic"
 
 
+class StrategyForm(StrEnum):
+    """How a strategy of the system is written."""
+
+    AUTO = "auto"
+    LISTED = "listed"
+    RANKING = "ranking"
+
+
 SemanticsOption = Annotated[
     Semantics,
     typer.Option(help="slugs: the system picks initial outputs; robotics: every allowed initial state has to win."),
@@ -62,6 +72,7 @@ def solve(
     time_limit: float | None,
     node_limit: int | None,
     realizability_only: bool = False,
+    form: StrategyForm = StrategyForm.AUTO,
 ) -> SynthesisAnswer:
     """Solve a specification as the options say."""
     from surefoot.compute import Deadline
@@ -75,7 +86,19 @@ def solve(
         deadline=Deadline.after(time_limit),
         node_limit=node_limit,
         realizability_only=realizability_only,
+        form=form.value,
     )
+
+
+def kind_of(path: Path) -> str | None:
+    """Return the kind that a file names among its first characters; None if it names none."""
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(200)
+    except OSError:
+        return None
+    found = re.search(rb'"kind"\s*:\s*"([a-z0-9-]+)"', head)
+    return None if found is None else found[1].decode()
 
 
 def conjunct_object(conjunct: Conjunct) -> dict[str, object]:

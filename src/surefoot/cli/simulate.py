@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from surefoot.cli.gr1 import kind_of
 from surefoot.cli.output import AsJson
+from surefoot.errors import InputError
 
 if TYPE_CHECKING:
     import numpy as np
 
     from surefoot.logic import Specification, Transducer
-    from surefoot.logic.strategy_file import SavedStrategy
+    from surefoot.logic.ranking import Ranking
+    from surefoot.logic.syntax import Variable
 
 
 def simulate(
@@ -39,11 +44,64 @@ def simulate(
     """
     import numpy as np
 
+    from surefoot.logic.ranking_file import SavedRanking, load_ranking
     from surefoot.logic.strategy_file import load_strategy
 
-    saved = load_strategy(strategy)
-    transducer = saved.transducer
-    choose = _Chooser(transducer, np.random.default_rng(seed), typed=typed)
+    source = np.random.default_rng(seed)
+    show = _silent if as_json else _shown
+    ranked = kind_of(strategy) == "gr1-ranking"
+    saved = (load_ranking if ranked else load_strategy)(strategy)
+    specification = _specification(saved.specification_path, saved.specification_sha256, spec)
+    if isinstance(saved, SavedRanking):
+        played = _ranked(strategy, saved.ranking, steps, source, typed, show)
+    else:
+        played = _listed(saved.transducer, steps, source, typed, show)
+    met = _goals_met(specification, played)
+    if as_json:
+        rows = [dict(zip((v.name for v in played.variables), row, strict=True)) for row in played.rows]
+        shown = [{"values": row, "goal": goal} for row, goal in zip(rows, played.goals, strict=True)]
+        print(json.dumps({"player": played.player, "steps": shown, "ended": played.ended, "goals_met": met}))
+    else:
+        _print_end(played.ended, met)
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """A play of a strategy.
+
+    Attributes:
+        player: whose strategy it is.
+        variables: inputs, then outputs.
+        rows: the values of all variables in every step.
+        goals: the goal that is pursued from every step on.
+        ended: why it ended early.
+    """
+
+    player: str
+    variables: tuple[Variable, ...]
+    rows: list[tuple[int, ...]]
+    goals: list[int]
+    ended: str | None
+
+
+Show = Callable[[Sequence["Variable"], int, int, tuple[int, ...]], None]
+
+
+def _ranked(path: Path, ranking: Ranking, steps: int, source: np.random.Generator, typed: bool, show: Show) -> Played:
+    from functools import partial
+
+    from surefoot.cli.simulate_ranking import play_ranking
+
+    shown = partial(show, ranking.variables, ranking.inputs)
+    try:
+        rows, goals, ended = play_ranking(ranking, steps, source, typed=typed, show=shown)
+    except ValueError as problem:
+        raise InputError(f"cannot be played: {problem}; check it with: surefoot verify", source=path) from problem
+    return Played("system", ranking.variables, rows, goals, ended)
+
+
+def _listed(transducer: Transducer, steps: int, source: np.random.Generator, typed: bool, show: Show) -> Played:
+    choose = _Chooser(transducer, source, typed=typed)
     visited: list[int] = []
     options = transducer.initial.tolist()
     ended: str | None = None
@@ -54,15 +112,21 @@ def simulate(
             ended = "no more moves were typed"
         else:
             visited.append(node)
-            if not as_json:
-                print(f"{len(visited) - 1}: {_sides(transducer, node)}", flush=True)
+            show(transducer.variables, transducer.inputs, len(visited) - 1, tuple(transducer.values[node].tolist()))
             options = transducer.after(node).tolist()
-    met = _goals_met(_specification(saved, spec), transducer, visited)
-    if as_json:
-        played = [{"values": transducer.valuation(node), "goal": int(transducer.memory[node])} for node in visited]
-        print(json.dumps({"player": transducer.player, "steps": played, "ended": ended, "goals_met": met}))
-    else:
-        _print_end(ended, met)
+    rows = [tuple(transducer.values[node].tolist()) for node in visited]
+    goals = [int(transducer.memory[node]) for node in visited]
+    return Played(transducer.player, transducer.variables, rows, goals, ended)
+
+
+def _silent(variables: Sequence[Variable], inputs: int, number: int, row: tuple[int, ...]) -> None:
+    """Print nothing."""
+
+
+def _shown(variables: Sequence[Variable], inputs: int, number: int, row: tuple[int, ...]) -> None:
+    words = [v.shown(value) for v, value in zip(variables, row, strict=True)]
+    ours, theirs = ", ".join(words[:inputs]), ", ".join(words[inputs:])
+    print(f"{number}: environment {ours or '(nothing)'}; system {theirs or '(nothing)'}", flush=True)
 
 
 def _print_end(ended: str | None, met: list[dict[str, object]] | None) -> None:
@@ -96,20 +160,12 @@ class _Chooser:
 
     def fitting(self, options: list[int], line: str) -> tuple[list[int], str]:
         """Return the options that a typed move allows, and otherwise a sentence."""
-        wanted: dict[str, int] = {}
-        for word in line.replace(",", " ").split():
-            name, _, value = word.partition("=")
-            number = {"": 1, "true": 1, "false": 0}.get(value.lower())
-            if number is None:
-                try:
-                    number = int(value)
-                except ValueError:
-                    return [], f"{word} is no move; write name=value, such as door=1"
-            wanted[name] = number
+        from surefoot.cli.typed_moves import values_typed
+
         known = [variable.name for variable in self.transducer.variables]
-        for name in wanted:
-            if name not in known:
-                return [], f"{name} is no variable; there are: {', '.join(known)}"
+        wanted, problem = values_typed(line, known)
+        if problem:
+            return [], problem
         columns = {name: known.index(name) for name in wanted}
         values = self.transducer.values
         found = [k for k in options if all(values[k, columns[name]] == wanted[name] for name in wanted)]
@@ -124,13 +180,6 @@ class _Chooser:
         return "; ".join(" ".join(f"{v.name}={x}" for v, x in zip(names, row, strict=True)) for row in rows)
 
 
-def _sides(transducer: Transducer, node: int) -> str:
-    values = transducer.values[node].tolist()
-    shown = [v.shown(value) for v, value in zip(transducer.variables, values, strict=True)]
-    inputs, outputs = shown[: transducer.inputs], shown[transducer.inputs :]
-    return f"environment {', '.join(inputs) or '(nothing)'}; system {', '.join(outputs) or '(nothing)'}"
-
-
 def _why_ended(transducer: Transducer, visited: list[int]) -> str:
     if transducer.player == "system":
         return "the environment has no move"
@@ -141,34 +190,33 @@ def _why_ended(transducer: Transducer, visited: list[int]) -> str:
     return f"environment {shown or '(nothing)'}; the system has no answer"
 
 
-def _specification(saved: SavedStrategy, given: Path | None) -> Specification | None:
+def _specification(path: Path, sha256: str, given: Path | None) -> Specification | None:
     """Return the specification of a strategy if it is at hand."""
-    from surefoot.errors import InputError
     from surefoot.logic import read_specification
 
-    if given is None and not saved.specification_path.is_file():
+    if given is None and not path.is_file():
         return None
-    found = read_specification(given or saved.specification_path)
-    if found.sha256 == saved.specification_sha256:
+    found = read_specification(given or path)
+    if found.sha256 == sha256:
         return found
     if given is None:
         return None
     raise InputError("is not the specification that the strategy was made for: the hashes differ", source=given)
 
 
-def _goals_met(
-    specification: Specification | None, transducer: Transducer, visited: list[int]
-) -> list[dict[str, object]] | None:
+def _goals_met(specification: Specification | None, played: Played) -> list[dict[str, object]] | None:
     """Return how often each goal of the system was met; None without the specification."""
+    import numpy as np
+
     from surefoot.logic import Evaluator
 
     if specification is None:
         return None
     evaluate = Evaluator(specification)
-    columns = {v.name: transducer.values[visited, k] for k, v in enumerate(transducer.variables)}
-    now = {name: column[:-1] for name, column in columns.items()}
-    after = {name: column[1:] for name, column in columns.items()}
-    steps = max(0, len(visited) - 1)
+    values = np.array(played.rows, dtype=np.int64).reshape(len(played.rows), len(played.variables))
+    now = {v.name: values[:-1, k] for k, v in enumerate(played.variables)}
+    after = {v.name: values[1:, k] for k, v in enumerate(played.variables)}
+    steps = max(0, len(values) - 1)
     found: list[dict[str, object]] = []
     for goal in specification.sys_liveness:
         holds = evaluate(goal.expression, now, after)

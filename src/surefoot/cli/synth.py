@@ -21,6 +21,7 @@ from surefoot.cli.gr1 import (
     NodeLimit,
     Semantics,
     SemanticsOption,
+    StrategyForm,
     TimeLimit,
     solve,
     warning_lines,
@@ -30,6 +31,7 @@ from surefoot.cli.output import AsJson, facts, jsonable, progress
 
 if TYPE_CHECKING:
     from surefoot.logic import Specification, Transducer
+    from surefoot.logic.ranking import Ranking
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +59,16 @@ def synth(
     env_dead_end: DeadEndOption = DeadEnd.WINS,
     time_limit: TimeLimit = None,
     node_limit: NodeLimit = None,
+    form: Annotated[
+        StrategyForm, typer.Option("--strategy", help="auto: listed state by state if short, otherwise a ranking.")
+    ] = StrategyForm.AUTO,
     realizability_only: Annotated[bool, typer.Option(help="Answer yes or no, without a strategy.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Solve a GR(1) specification and save a strategy that has been verified.
+
+    A strategy with more than 120,000 transitions is saved as a ranking: a few
+    decision diagrams in an npz file beside it, executable and verified too.
 
     Unrealizable: the file holds the environment's counter-strategy, verified
     as well; see also surefoot explain.
@@ -87,19 +95,23 @@ def synth(
             time_limit=time_limit,
             node_limit=node_limit,
             realizability_only=realizability_only,
+            form=form,
         )
-        transducer = solved.strategy or solved.counter_strategy
+        found_strategy = solved.strategy or solved.counter_strategy or solved.ranking
         certified = Certified()
-        if transducer is not None:
-            say(f"verifying a strategy of {transducer.nodes} states")
-            certified = certify(specification, transducer, output, semantics, env_dead_end)
+        if found_strategy is not None:
+            say(f"verifying a strategy {_size_in_words(found_strategy)}")
+            certified = certify(specification, found_strategy, output, semantics, env_dead_end)
     found = {
         "verdict": WORDS[solved.verdict.answer],
         "engine": solved.engine,
         "why_engine": solved.why_engine,
         "states": solved.states,
-        "strategy_states": None if transducer is None else transducer.nodes,
+        "strategy": _form_of(found_strategy),
+        "strategy_states": getattr(found_strategy, "nodes", None),
+        "strategy_rows": None if solved.ranking is None else len(solved.ranking.variable),
         "verified": certified.verified,
+        "certificate": "full" if certified.verified else "none",
         "solve_s": solved.solve_s,
         "strategy_s": solved.strategy_s,
         "verify_s": certified.verify_s,
@@ -119,9 +131,25 @@ def synth(
     raise typer.Exit(int(CODES[solved.verdict.answer]))
 
 
+def _form_of(strategy: Transducer | Ranking | None) -> str | None:
+    from surefoot.logic.ranking import Ranking
+
+    if strategy is None:
+        return None
+    return "ranking" if isinstance(strategy, Ranking) else "listed"
+
+
+def _size_in_words(strategy: Transducer | Ranking) -> str:
+    from surefoot.logic.ranking import Ranking
+
+    if isinstance(strategy, Ranking):
+        return f"of {len(strategy.layers)} layers"
+    return f"of {strategy.nodes} states"
+
+
 def certify(
     specification: Specification,
-    transducer: Transducer,
+    strategy: Transducer | Ranking,
     output: Path | None,
     semantics: Semantics,
     env_dead_end: DeadEnd,
@@ -132,7 +160,6 @@ def certify(
         CertificateRejected: the checker refused it, which is a bug; nothing is kept.
     """
     from surefoot.errors import CertificateRejected, LimitExceeded
-    from surefoot.logic.strategy_file import save_strategy
     from surefoot.verify import verify_path
 
     begun = time.process_time()
@@ -140,7 +167,7 @@ def certify(
     note: str | None = None
     with TemporaryDirectory(prefix="surefoot-") as folder:
         draft = Path(folder) / "strategy.json"
-        save_strategy(draft, transducer, specification, semantics=semantics.value, env_dead_end=env_dead_end.value)
+        _save(draft, strategy, specification, semantics, env_dead_end)
         try:
             report = verify_path(draft, specification.source)
         except LimitExceeded as limit:
@@ -152,7 +179,17 @@ def certify(
     verify_s = time.process_time() - begun
     files: tuple[Path, ...] = ()
     if output is not None:
-        files = save_strategy(
-            output, transducer, specification, semantics=semantics.value, env_dead_end=env_dead_end.value
-        )
+        files = _save(output, strategy, specification, semantics, env_dead_end)
     return Certified(verified, note, verify_s, files)
+
+
+def _save(
+    path: Path, strategy: Transducer | Ranking, specification: Specification, semantics: Semantics, dead_end: DeadEnd
+) -> tuple[Path, ...]:
+    from surefoot.logic.ranking import Ranking
+    from surefoot.logic.ranking_file import save_ranking
+    from surefoot.logic.strategy_file import save_strategy
+
+    if isinstance(strategy, Ranking):
+        return save_ranking(path, strategy, specification, semantics=semantics.value, env_dead_end=dead_end.value)
+    return save_strategy(path, strategy, specification, semantics=semantics.value, env_dead_end=dead_end.value)

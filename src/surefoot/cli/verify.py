@@ -45,10 +45,10 @@ def verify(
 
 def _object(report: Report) -> object:
     """Return the JSON object of a report; a strategy's answers the question that was asked about it."""
-    if report.kind != "gr1-strategy":
+    if report.kind not in ("gr1-strategy", "gr1-ranking"):
         return report
     violation = str(report.findings[0]) if report.findings else None
-    asked = {"holds": report.accepted, "checked_states": report.counts["checked_states"], "violation": violation}
+    asked = {"holds": report.accepted, "checked_states": report.counts.get("checked_states"), "violation": violation}
     return asked | jsonable(report)
 
 

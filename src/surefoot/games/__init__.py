@@ -1,7 +1,7 @@
 """Solving: fixpoints and executable strategies."""
 
 from surefoot.games.arena import Arena, reachable, restrict, swap_players, with_goals
-from surefoot.games.cores import unrealizable_core
+from surefoot.games.cores import Core, unrealizable_core
 from surefoot.games.explicit import solve
 from surefoot.games.partial import partial_evaluation
 from surefoot.games.solution import Engine, EnvDeadEnd, Solution, follow, visit
@@ -11,6 +11,7 @@ from surefoot.games.witness import can_stay_safe, environment_cannot_keep_assump
 
 __all__ = [
     "Arena",
+    "Core",
     "Engine",
     "EnvDeadEnd",
     "Solution",

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 FREE = 2
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def holds(
     variable: NDArray[np.int32],
     low: NDArray[np.int32],
@@ -29,7 +29,7 @@ def holds(
     return node == 1
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def complete(
     variable: NDArray[np.int32],
     low: NDArray[np.int32],
@@ -98,7 +98,7 @@ def complete(
     return found[:number], True
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def expand(
     variable: NDArray[np.int32],
     low: NDArray[np.int32],
@@ -184,7 +184,7 @@ def expand(
     return first, found[:number]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def hold_at(
     variable: NDArray[np.int32],
     low: NDArray[np.int32],

@@ -27,7 +27,7 @@ class Graph(NamedTuple):
     predecessors: NDArray[np.int32]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def reverse(first: NDArray[np.int64], successors: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
     """Return offsets and nodes of the reversed edges, each node's predecessors in rising order."""
     nodes = first.size - 1
@@ -46,7 +46,7 @@ def reverse(first: NDArray[np.int64], successors: NDArray[np.int32]) -> tuple[ND
     return before, predecessors
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def explore(first: NDArray[np.int64], successors: NDArray[np.int32], start: NDArray[np.int32]) -> NDArray[np.bool_]:
     """Return which nodes are reachable from the given ones, themselves included."""
     seen = np.zeros(first.size - 1, dtype=np.bool_)
@@ -66,7 +66,7 @@ def explore(first: NDArray[np.int64], successors: NDArray[np.int32], start: NDAr
     return seen
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def attract(
     graph: Graph,
     level: NDArray[np.int32],
@@ -110,7 +110,7 @@ def attract(
     return done, filled, top
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def hold(
     graph: Graph, level: NDArray[np.int32], watch: NDArray[np.int64], candidates: NDArray[np.int32], top: int
 ) -> NDArray[np.int32]:
@@ -165,7 +165,7 @@ def hold(
     return stay
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def best_edges(graph: Graph, rank: NDArray[np.int32], after: NDArray[np.int32]) -> NDArray[np.int32]:
     """Return for every winning node of the system its edge of lowest rank, the first of several; -1 elsewhere.
 

@@ -79,14 +79,12 @@ def _never(winning: Set) -> bool:
 def watched(work: Callable[[], _T], deadline: Deadline) -> _T:
     """Return what a computation returns, or give up on time even inside one long operation of the back end.
 
-    With a deadline the computation runs in a thread of its own; when it overruns it is left behind. It ends with its
-    operation, or with the process.
+    The computation runs in a thread of its own; when it overruns, or the user interrupts, it is left behind. It ends
+    with its operation, or with the process.
 
     Raises:
         LimitExceeded: once the deadline has passed.
     """
-    if deadline.end_s == inf:
-        return work()
     outcome: list[tuple[_T | None, BaseException | None]] = []
 
     def run() -> None:
@@ -97,7 +95,7 @@ def watched(work: Callable[[], _T], deadline: Deadline) -> _T:
 
     thread = threading.Thread(target=run, name="symbolic engine", daemon=True)
     thread.start()
-    thread.join(max(deadline.end_s - monotonic(), 0.0) + _GRACE_S)
+    thread.join(None if deadline.end_s == inf else max(deadline.end_s - monotonic(), 0.0) + _GRACE_S)
     if not outcome:
         raise LimitExceeded("solving the game: the time limit was reached")
     value, problem = outcome[0]

@@ -14,62 +14,78 @@ from typing import TypeVar
 
 from surefoot.compute import Deadline
 from surefoot.errors import LimitExceeded
+from surefoot.games.attempts import watched
 from surefoot.games.solution import FOREVER, EnvDeadEnd
+from surefoot.games.subsets import Subsets
 from surefoot.logic.syntax import Conjunct, Specification, atoms, bit_owners
-from surefoot.verdict import Answer
 
 _T = TypeVar("_T")
+
+
+@dataclass(frozen=True, slots=True)
+class Core:
+    """Lines of the system that cannot be kept together.
+
+    Attributes:
+        lines: in the order of the file's sections.
+        minimal: whether each of them is known to be needed.
+        limit: what ended the search early, if it did.
+    """
+
+    lines: tuple[Conjunct, ...]
+    minimal: bool = True
+    limit: str | None = None
 
 
 def unrealizable_core(
     specification: Specification,
     *,
     semantics: str = "slugs",
-    engine: str = "auto",
     env_dead_end: EnvDeadEnd = "wins",
     deadline: Deadline = FOREVER,
-) -> tuple[Conjunct, ...]:
+) -> Core:
     """Return a minimal set of lines of the system that make a specification unrealizable.
 
     With these lines alone it is unrealizable, and without any one of them it is realizable. Limits of integers and
     all lines of the environment stay in force. With robotics semantics SYS_INIT stays too, for there it is an
-    assumption. The core is empty where the environment wins whatever the system promises.
+    assumption. The core is empty where the environment wins whatever the system promises. When the deadline ends the
+    search, the smallest set found so far is returned, marked as not minimal.
 
     Args:
         specification: an unrealizable one.
         semantics: ``slugs`` or ``robotics``.
-        engine: as for ``synthesize``.
         env_dead_end: as for ``synthesize``.
-        deadline: when to give up.
+        deadline: when to stop.
 
     Raises:
-        LimitExceeded: once the deadline has passed.
+        LimitExceeded: the deadline passed before it was known to be unrealizable.
         ValueError: the specification is realizable.
     """
-    from surefoot.games.synthesis import synthesize
-
     candidates = specification.system_safety + specification.sys_liveness
     if semantics == "slugs":
         candidates = specification.sys_init + candidates
+    subsets = Subsets(specification, candidates, robotics=semantics == "robotics", env_dead_end=env_dead_end)
+    best: list[tuple[Conjunct, ...]] = []
 
     def unrealizable(kept: tuple[Conjunct, ...]) -> bool:
         deadline.check("searching for an unrealizable core")
-        answer = synthesize(
-            without_idle_outputs(keeping(specification, kept, candidates)),
-            semantics=semantics,  # type: ignore[arg-type]
-            engine=engine,  # type: ignore[arg-type]
-            env_dead_end=env_dead_end,
-            deadline=deadline,
-            realizability_only=True,
-        ).verdict
-        if answer.answer is Answer.UNKNOWN:
-            raise LimitExceeded(f"searching for an unrealizable core: {answer.limit}")
-        return answer.answer is Answer.FALSE
+        lost = not subsets.realizable(kept, deadline)
+        if lost:
+            best.append(kept)
+        return lost
 
-    memory = Memory(unrealizable)
-    if not memory.holds(candidates):
-        raise ValueError("the specification is realizable: it has no unrealizable core")
-    return minimal(candidates, memory.holds)
+    def search() -> tuple[Conjunct, ...]:
+        memory = Memory(unrealizable)
+        if not memory.holds(candidates):
+            raise ValueError("the specification is realizable: it has no unrealizable core")
+        return minimal(candidates, memory.holds)
+
+    try:
+        return Core(watched(search, deadline))
+    except LimitExceeded as limit:
+        if not best:
+            raise
+        return Core(min(best, key=len), minimal=False, limit=str(limit))
 
 
 def keeping(

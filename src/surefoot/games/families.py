@@ -1,7 +1,8 @@
 """Families of specifications that grow: for benchmarks of how far an engine comes.
 
 ``genbuf(n)`` is IBM's generalised buffer between n senders and two receivers, in the encoding of the slugs benchmarks
-(there the members 2, 3, 5 and 10 are stored; the generator gives the same rules).
+(there the members 2, 3, 5 and 10 are stored; the generator gives the same rules). The others are in
+``families_bus`` and ``families_processes``.
 
 Source: Bloem et al., "Specify, compile, run: hardware from PSL", COCV 2007.
 """
@@ -9,6 +10,10 @@ Source: Bloem et al., "Specify, compile, run: hardware from PSL", COCV 2007.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+
+from surefoot.games.families_bus import jcss12
+from surefoot.games.families_processes import bunny, synt15
+from surefoot.logic import Specification, parse_slugsin, parse_structuredslugs
 
 RECEIVERS = 2
 
@@ -108,4 +113,16 @@ _BUFFER_RULES = (
     "| ! & stateG12 DEQ ! stateG12'",
 )
 
-FAMILIES: dict[str, Callable[[int], str]] = {"genbuf": genbuf}
+FAMILIES: dict[str, Callable[[int], str]] = {"genbuf": genbuf, "bunny": bunny, "jcss12": jcss12, "synt15": synt15}
+
+
+def member(family: str, size: int) -> Specification:
+    """Return a member of a family.
+
+    Raises:
+        ValueError: there is no such family, or no such member.
+    """
+    if family not in FAMILIES:
+        raise ValueError(f"the families are {', '.join(FAMILIES)}, not {family!r}")
+    text = FAMILIES[family](size)
+    return parse_slugsin(text) if family == "genbuf" else parse_structuredslugs(text)

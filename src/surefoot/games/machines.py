@@ -24,7 +24,10 @@ from surefoot.logic.syntax import Variable
 from surefoot.logic.transducer import NO_MOVE, Transducer
 from surefoot.logic.transducer import Player as Owner
 
+FEW_EDGES = 120_000
+"""Above this a ranking says the same with less."""
 MOST_EDGES = 3_000_000
+_SAMPLE = 100
 M = TypeVar("M", bound=Hashable)
 
 
@@ -173,8 +176,15 @@ class Nodes(Generic[M]):
         if place == len(self.states):
             return None
         self._deadline.check("making the strategy")
+        self._check_prospect(place)
         self._first.append(len(self._successors))
         return self.states[place], self.memories[place]
+
+    def _check_prospect(self, opened: int) -> None:
+        """Give up a short list once the nodes that are known will clearly have more edges than allowed."""
+        prospect = len(self.states) * len(self._successors)
+        if self._most <= FEW_EDGES and opened > _SAMPLE and prospect > 2 * self._most * opened:
+            raise LimitExceeded(f"the strategy has more than {self._most} transitions")
 
     def edge(self, state: Bits, memory: M) -> None:
         """Add an edge to the open node."""

@@ -1,7 +1,10 @@
 """Which engine solves a game: measured, not guessed.
 
-A small share of work goes to the symbolic engine first, since many specifications need no more. Then the reachable
-states and moves are counted; few are enumerated and solved explicitly. Otherwise the symbolic engine goes on.
+Where a strategy is wanted, the reachable states and moves are counted with little work, and few are enumerated and
+solved explicitly: solving takes some hundredths of a second either way, and strategies come a little faster. Where it
+is not, the symbolic engine begins, for it needs no compiled code to be loaded, which takes longer than all the rest.
+Then a small share of work goes to the symbolic engine; then the states are counted with more work; otherwise the
+symbolic engine goes on.
 """
 
 from __future__ import annotations
@@ -16,8 +19,11 @@ from surefoot.games.bits import BitGame
 from surefoot.games.few_states import FEW_MOVES, ExplicitPlayer, ExplicitResult, Measured, measure, solve_few
 from surefoot.games.relation import OutOfWork
 from surefoot.games.symbolic import SymbolicGame, SymbolicResult
+from surefoot.logic.ranking import Ranking
 from surefoot.logic.transducer import Transducer
 
+SMALL_MOVES = 20_000
+_SMALL_SHARE = FIRST_SHARE // 8
 _COUNTING_SHARE = 10 * FIRST_SHARE
 
 
@@ -41,23 +47,42 @@ class Solved:
     game: SymbolicGame
     result: SymbolicResult | ExplicitResult
 
-    def machine(self, *, robotics: bool, deadline: Deadline) -> Transducer | None:
-        """Return the strategy of whoever wins.
+    def machine(self, *, robotics: bool, deadline: Deadline, most_edges: int) -> Transducer | None:
+        """Return the strategy of whoever wins, state by state.
 
         Raises:
             LimitExceeded: if it is too large, or the deadline has passed.
         """
         from surefoot.games.counter import environment_machine
-        from surefoot.games.machines import SystemPlayer, system_machine
+        from surefoot.games.machines import Player, SystemPlayer, system_machine
         from surefoot.games.walks import Walker
 
         self.game.encoder.most_work = None
         if not self.realizable:
-            return environment_machine(self.game, robotics=robotics, deadline=deadline)
+            return environment_machine(self.game, robotics=robotics, deadline=deadline, most_edges=most_edges)
         walker = Walker(self.game)
-        if isinstance(self.result, ExplicitResult):
-            return system_machine(walker, ExplicitPlayer(walker, self.result), robotics=robotics, deadline=deadline)
-        return system_machine(walker, SystemPlayer(walker, self.result), robotics=robotics, deadline=deadline)
+        player: Player = (
+            ExplicitPlayer(walker, self.result)
+            if isinstance(self.result, ExplicitResult)
+            else SystemPlayer(walker, self.result)
+        )
+        return system_machine(walker, player, robotics=robotics, deadline=deadline, most_edges=most_edges)
+
+    def ranking(self, options: dict[str, Any]) -> tuple[Ranking, bool]:
+        """Return the strategy of the system as a ranking, and whether the environment may be without a move on its way.
+
+        A game that was solved explicitly is solved again.
+
+        Raises:
+            LimitExceeded: if it is too large, or the deadline has passed.
+        """
+        from surefoot.games.rankings import ranking_of, reaches_dead_ends
+
+        game, result = self.game, self.result
+        if isinstance(result, ExplicitResult):
+            game, result = attempt(game.game, keep_layers=True, **options)
+        game.encoder.most_work = None
+        return ranking_of(game, result, options["deadline"]), reaches_dead_ends(game, result)
 
 
 def solve_by(game: BitGame, engine: str, *, keep_layers: bool, robotics: bool, **options: Any) -> Solved:
@@ -78,6 +103,8 @@ def solve_by(game: BitGame, engine: str, *, keep_layers: bool, robotics: bool, *
     if engine == "explicit":
         counted = _counted(game, options, None)
         return _explicit(*counted, "it was asked for", robotics, options)
+    if keep_layers and (small := _small(game, robotics, options)) is not None:
+        return small
     try:
         return _symbolic(game, "it took little work", None, keep_layers, robotics, options, most_work=FIRST_SHARE)
     except OutOfWork:
@@ -88,13 +115,32 @@ def solve_by(game: BitGame, engine: str, *, keep_layers: bool, robotics: bool, *
         why = "counting the reachable states takes too much work"
         return _symbolic(game, why, None, keep_layers, robotics, options)
     if measured.moves <= FEW_MOVES:
-        why = f"{measured.states} states with {measured.moves} moves of the environment are reachable: few"
         try:
-            return _explicit(symbolic, measured, why, robotics, options)
+            return _explicit(symbolic, measured, _few_words(measured), robotics, options)
         except LimitExceeded:
             options["deadline"].check("solving the game")
     why = f"{measured.states} states with {measured.moves} moves of the environment are reachable: too many to list"
     return _symbolic(game, why, measured.states, keep_layers, robotics, options)
+
+
+def _small(game: BitGame, robotics: bool, options: dict[str, Any]) -> Solved | None:
+    """Return the game solved explicitly if a little counting shows that it is small."""
+    try:
+        symbolic, measured = _counted(game, options, _SMALL_SHARE)
+    except OutOfWork:
+        return None
+    if measured.moves > SMALL_MOVES:
+        return None
+    symbolic.encoder.most_work = None
+    try:
+        return _explicit(symbolic, measured, _few_words(measured), robotics, options)
+    except LimitExceeded:
+        options["deadline"].check("solving the game")
+        return None
+
+
+def _few_words(measured: Measured) -> str:
+    return f"{measured.states} states with {measured.moves} moves of the environment are reachable: few"
 
 
 def _symbolic(

@@ -16,6 +16,7 @@ Maoz and Ringert, Acta Informatica 57, 2020 (arXiv 1712.01103).
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 from itertools import count, cycle
 
@@ -25,6 +26,7 @@ from surefoot.games.diagrams import Backend, Set, diagrams
 from surefoot.games.ordering import variable_orders
 from surefoot.games.relation import Encoder, Move, primed
 from surefoot.games.solution import EnvDeadEnd
+from surefoot.logic.syntax import Conjunct
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,6 +101,18 @@ class SymbolicGame:
     def _liveness(self, part: Part) -> Liveness:
         return Liveness(self.encoder.set_of(part.formula), not part.following)
 
+    def promising(self, kept: Callable[[Conjunct], bool]) -> SymbolicGame:
+        """Return the same game with those lines of the system alone that are kept; sets of both can be compared."""
+        fewer, game, encoder = copy(self), self.game, self.encoder
+        outputs = range(game.inputs, len(game.bits))
+        groups = [group for group in game.groups if group and group[0] in outputs]
+        fewer.system = Move(encoder, groups, [part for part in game.sys_trans if kept(part.origin)])
+        starts = [encoder.set_of(part.formula) for part in game.sys_init if kept(part.origin)]
+        fewer.sys_init = encoder.conjunction(starts)
+        goals = [self._liveness(part) for part in game.goals if kept(part.origin)]
+        fewer.goals = goals or [Liveness(self.manager.true, True)]
+        return fewer
+
     def next(self, states: Set) -> Set:
         """Return a set of states as a condition on the next state."""
         return self.manager.rename(states, self._to_next)
@@ -133,7 +147,11 @@ class SymbolicGame:
 
 
 def solve_symbolically(
-    game: SymbolicGame, *, stop: Callable[[Set], bool] = lambda _: False, keep_layers: bool = False
+    game: SymbolicGame,
+    *,
+    stop: Callable[[Set], bool] = lambda _: False,
+    keep_layers: bool = False,
+    within: Set | None = None,
 ) -> SymbolicResult:
     """Solve a game.
 
@@ -141,11 +159,12 @@ def solve_symbolically(
         game: the game.
         stop: called with every Z that shrank; True ends the computation, for no initial state wins any more.
         keep_layers: whether a strategy will be made; otherwise the layers are dropped as they come.
+        within: a set that is known to contain the winning states.
 
     Raises:
         LimitExceeded: once the deadline of the game or its node limit is passed.
     """
-    z = game.closed(game.manager.true)
+    z = game.closed(game.manager.true if within is None else within)
     recycled: dict[tuple[int, int, int], Set] = {}
     layers: dict[int, tuple[Layer, ...]] = {}
     for g in cycle(range(len(game.goals))):

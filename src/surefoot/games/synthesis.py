@@ -10,6 +10,8 @@ from surefoot.compute import Deadline
 from surefoot.errors import LimitExceeded
 from surefoot.games.bits import bit_game
 from surefoot.games.diagrams import Backend
+from surefoot.games.machines import FEW_EDGES, MOST_EDGES
+from surefoot.games.minimise import minimised
 from surefoot.games.solution import FOREVER, EnvDeadEnd
 from surefoot.logic.syntax import Conjunct, Specification
 from surefoot.logic.transducer import Transducer
@@ -17,11 +19,13 @@ from surefoot.verdict import Verdict
 
 if TYPE_CHECKING:
     from surefoot.games.portfolio import Solved
+    from surefoot.logic.ranking import Ranking
 
 Semantics = Literal["slugs", "robotics"]
 EngineName = Literal["auto", "explicit", "symbolic"]
-STRATEGY_LIMIT_S = 30.0
-"""How long a strategy may take to write out, once the verdict is known; some are too large to be listed."""
+StrategyForm = Literal["auto", "listed", "ranking"]
+LISTING_LIMIT_S = 300.0
+"""How long a strategy may take to list, once the verdict is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +55,8 @@ class SynthesisAnswer:
         solve_s: processor seconds of reading the rules and solving.
         strategy_s: processor seconds of making the strategy or counter-strategy.
         warnings: ways in which the answer may be empty.
-        strategy: of the system, when realizable and asked for.
+        strategy: of the system, when realizable and asked for, state by state.
+        ranking: of the system, when the strategy is too large to list.
         counter_strategy: of the environment, when unrealizable and asked for.
     """
 
@@ -63,6 +68,7 @@ class SynthesisAnswer:
     strategy_s: float = 0.0
     warnings: tuple[Vacuity, ...] = ()
     strategy: Transducer | None = None
+    ranking: Ranking | None = None
     counter_strategy: Transducer | None = None
 
 
@@ -76,6 +82,7 @@ def synthesize(
     node_limit: int | None = None,
     realizability_only: bool = False,
     backend: Backend = "oxidd",
+    form: StrategyForm = "auto",
 ) -> SynthesisAnswer:
     """Decide a specification, and return a strategy of whoever wins.
 
@@ -89,13 +96,14 @@ def synthesize(
         node_limit: the most decision diagram nodes alive at once.
         realizability_only: no strategy.
         backend: the decision diagram library.
+        form: of a strategy of the system: ``listed`` state by state, a ``ranking``, or ``auto``: listed if it is small.
 
     Raises:
         ValueError: for an unknown option.
         BackendMissing: if the back end is not installed.
     """
-    _check(semantics, engine, env_dead_end)
-    question = _Question(spec, semantics == "robotics", env_dead_end, deadline, node_limit, backend)
+    _check(semantics, engine, env_dead_end, form)
+    question = _Question(spec, semantics == "robotics", env_dead_end, deadline, node_limit, backend, form)
     try:
         return _answer(question, engine, realizability_only)
     except LimitExceeded as limit:
@@ -110,10 +118,11 @@ class _Question:
     deadline: Deadline
     node_limit: int | None
     backend: Backend
+    form: StrategyForm
 
     @property
     def options(self) -> dict[str, Any]:
-        """All but the specification."""
+        """All but the specification and the form of the strategy."""
         return {
             "robotics": self.robotics,
             "env_dead_end": self.env_dead_end,
@@ -123,11 +132,12 @@ class _Question:
         }
 
 
-def _check(semantics: str, engine: str, env_dead_end: str) -> None:
+def _check(semantics: str, engine: str, env_dead_end: str, form: str) -> None:
     for name, value, allowed in (
         ("semantics", semantics, get_args(Semantics)),
         ("engine", engine, get_args(EngineName)),
         ("env_dead_end", env_dead_end, get_args(EnvDeadEnd)),
+        ("form", form, get_args(StrategyForm)),
     ):
         if value not in allowed:
             raise ValueError(f"{name} is one of {', '.join(allowed)}, not {value!r}")
@@ -156,17 +166,34 @@ def _solve(question: _Question, engine: EngineName, realizability_only: bool) ->
 def _with_machine(answer: SynthesisAnswer, solved: Solved, question: _Question) -> SynthesisAnswer:
     begin_s = time.process_time()
     try:
-        soon = Deadline.after(STRATEGY_LIMIT_S)
-        machine = solved.machine(robotics=question.robotics, deadline=min(question.deadline, soon, key=_end_s))
+        answer = _with_strategy(answer, solved, question)
     except LimitExceeded as limit:
         warning = Vacuity("no_strategy", f"no strategy was written out: {limit}")
         answer = replace(answer, warnings=(*answer.warnings, warning))
-    else:
-        if solved.realizable:
-            answer = replace(answer, strategy=machine, warnings=_vacuities(question, machine))
-        else:
-            answer = replace(answer, counter_strategy=machine)
     return replace(answer, strategy_s=time.process_time() - begin_s)
+
+
+def _with_strategy(answer: SynthesisAnswer, solved: Solved, question: _Question) -> SynthesisAnswer:
+    """Return the answer with a strategy of whoever wins; one of the system that is too long to list is a ranking."""
+    auto = question.form == "auto"
+    if not solved.realizable or question.form != "ranking":
+        soon = Deadline.after(LISTING_LIMIT_S)
+        edges = FEW_EDGES if auto and solved.realizable else MOST_EDGES
+        try:
+            machine = solved.machine(
+                robotics=question.robotics, deadline=min(question.deadline, soon, key=_end_s), most_edges=edges
+            )
+        except LimitExceeded:
+            if not (auto and solved.realizable):
+                raise
+        else:
+            machine = None if machine is None else minimised(machine)
+            if not solved.realizable:
+                return replace(answer, counter_strategy=machine)
+            return replace(answer, strategy=machine, warnings=_vacuities(question, machine))
+    ranking, stuck = solved.ranking(question.options)
+    dead_ends = Vacuity("env_dead_end", "the environment may get where it has no move, and then the system has won")
+    return replace(answer, ranking=ranking, warnings=(dead_ends,) if stuck else ())
 
 
 def _end_s(deadline: Deadline) -> float:

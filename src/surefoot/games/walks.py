@@ -24,6 +24,11 @@ class Tables:
         self._rows: list[tuple[int, int, int]] = [(_CONSTANT, 0, 0), (_CONSTANT, 1, 1)]
         self._arrays: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]] | None = None
 
+    @property
+    def size(self) -> int:
+        """How many rows there are."""
+        return len(self._rows)
+
     def root(self, function: Set) -> int:
         """Return the row of a function, its nodes written below it."""
         stack = [function]

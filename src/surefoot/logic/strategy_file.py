@@ -82,8 +82,8 @@ def save_strategy(
         "player": transducer.player,
         "semantics": semantics,
         "env_dead_end": env_dead_end,
-        "inputs": [_declared(v) for v in transducer.variables[: transducer.inputs]],
-        "outputs": [_declared(v) for v in transducer.variables[transducer.inputs :]],
+        "inputs": [declared(v) for v in transducer.variables[: transducer.inputs]],
+        "outputs": [declared(v) for v in transducer.variables[transducer.inputs :]],
         "arrays": kept,
     }
     write_text_whole(path, json.dumps(header, separators=(",", ":")) + "\n")
@@ -96,10 +96,10 @@ def load_strategy(path: Path) -> SavedStrategy:
     Raises:
         InputError: the file is missing, too large, or no strategy.
     """
-    header = _header(path)
+    header = read_header(path, "gr1-strategy")
     try:
-        inputs, outputs = (tuple(map(_variable, header[side])) for side in ("inputs", "outputs"))
-        arrays = _arrays(path, header["arrays"])
+        inputs, outputs = (tuple(map(declared_variable, header[side])) for side in ("inputs", "outputs"))
+        arrays = read_arrays(path, header["arrays"])
         environment = header["player"] == "environment"
         wanted = _ARRAYS + (_OF_ENVIRONMENT if environment else ())
         whole: dict[str, Any] = {name: _whole(np.asarray(arrays[name])) for name in wanted}
@@ -122,7 +122,12 @@ def load_strategy(path: Path) -> SavedStrategy:
         raise InputError(f"is no whole strategy (docs/formats.md, 4): {problem}", source=path) from problem
 
 
-def _header(path: Path) -> dict[str, Any]:
+def read_header(path: Path, kind: str) -> dict[str, Any]:
+    """Return the JSON object of a file of some kind, format 1.
+
+    Raises:
+        InputError: it is missing, too large, or of another kind.
+    """
     try:
         if path.stat().st_size > LARGEST_BYTES:
             raise InputError(f"is larger than {LARGEST_BYTES} bytes", source=path)
@@ -131,12 +136,17 @@ def _header(path: Path) -> dict[str, Any]:
         raise InputError(f"cannot be read: {problem.strerror}", source=path) from problem
     except (ValueError, RecursionError) as problem:
         raise InputError("is no JSON; a strategy is written by: surefoot synth SPEC -o FILE", source=path) from problem
-    if not isinstance(header, dict) or header.get("kind") != "gr1-strategy" or header.get("format") != 1:
-        raise InputError("is no strategy of kind gr1-strategy, format 1", source=path)
+    if not isinstance(header, dict) or header.get("kind") != kind or header.get("format") != 1:
+        raise InputError(f"is no strategy of kind {kind}, format 1", source=path)
     return header
 
 
-def _arrays(path: Path, kept: dict[str, Any]) -> dict[str, Any]:
+def read_arrays(path: Path, kept: dict[str, Any]) -> dict[str, Any]:
+    """Return the arrays of a strategy: those given, or those of the npz file that is named.
+
+    Raises:
+        InputError: the file is missing, another one, too large, or no npz file of plain arrays.
+    """
     if "path" not in kept:
         return kept
     beside = path.parent / Path(str(kept["path"])).name
@@ -171,13 +181,19 @@ def _check_indices(transducer: Transducer) -> None:
             raise ValueError(f"{name} does not fit the inputs")
 
 
-def _declared(variable: Variable) -> dict[str, object]:
+def declared(variable: Variable) -> dict[str, object]:
+    """Return a variable for JSON."""
     if variable.is_boolean:
         return {"name": variable.name}
     return {"name": variable.name, "lower": variable.lower, "upper": variable.upper}
 
 
-def _variable(value: dict[str, Any]) -> Variable:
+def declared_variable(value: dict[str, Any]) -> Variable:
+    """Return the variable that a JSON object declares.
+
+    Raises:
+        KeyError, ValueError: it declares none.
+    """
     limits = [value.get("lower"), value.get("upper")]
     if not isinstance(value["name"], str) or not all(limit is None or isinstance(limit, int) for limit in limits):
         raise ValueError("a variable has a name and, for an integer, both limits")

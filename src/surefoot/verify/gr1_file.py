@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -62,8 +63,8 @@ def read_strategy(path: Path, specification_path: Path | None = None) -> Strateg
     """
     fields = Fields.of(parse_json(read_bytes(path), path), path)
     check_kind(fields, "gr1-strategy")
-    specification = _specification(fields, path, specification_path)
-    _check_variables(fields, specification)
+    specification = specification_of(fields, path, specification_path)
+    check_variables(fields, specification)
     player = fields.text("player", among=("system", "environment"))
     names = [name for name in _SHAPES if player == "environment" or name not in ("moves", "initial_inputs")]
     arrays = _arrays(fields, path, names)
@@ -83,7 +84,8 @@ def read_strategy(path: Path, specification_path: Path | None = None) -> Strateg
     )
 
 
-def _specification(fields: Fields, path: Path, given: Path | None) -> Specification:
+def specification_of(fields: Fields, path: Path, given: Path | None) -> Specification:
+    """Return the specification that a strategy was made for, from where it is now or where the strategy says."""
     place = fields.mapping("specification")
     expected = place.text("sha256")
     if given is None:
@@ -97,7 +99,7 @@ def _specification(fields: Fields, path: Path, given: Path | None) -> Specificat
     return found
 
 
-def _check_variables(fields: Fields, specification: Specification) -> None:
+def check_variables(fields: Fields, specification: Specification) -> None:
     """Refuse a strategy over other variables than those of its specification."""
     for side, variables in (("inputs", specification.inputs), ("outputs", specification.outputs)):
         expected: list[dict[str, object]] = [
@@ -111,7 +113,18 @@ def _check_variables(fields: Fields, specification: Specification) -> None:
 def _arrays(fields: Fields, path: Path, names: list[str]) -> dict[str, Ints]:
     kept = fields.mapping("arrays")
     if not kept.has("path"):
-        return {name: _array(kept, name, np.asarray(_listed(kept, name))) for name in names}
+        listed = Fields.of({name: np.asarray(_listed(kept, name)) for name in names}, path, "arrays")
+        return {name: whole_numbers(listed, name, _SHAPES[name]) for name in names}
+    inside = arrays_beside(kept, path, names)
+    return {name: whole_numbers(inside, name, _SHAPES[name]) for name in names}
+
+
+def arrays_beside(kept: Fields, path: Path, names: Sequence[str]) -> Fields:
+    """Return those arrays of the npz file beside a strategy that are asked for, as they are there.
+
+    Raises:
+        InputError: the file is missing, another one than was saved, too large, or no npz file of plain arrays.
+    """
     beside = checked_file(kept, path.parent)
     try:
         with zipfile.ZipFile(beside) as archive:
@@ -121,8 +134,7 @@ def _arrays(fields: Fields, path: Path, names: list[str]) -> dict[str, Ints]:
             found: dict[str, Any] = {name: archive[name] for name in names if name in archive.files}
     except (OSError, ValueError, zipfile.BadZipFile, EOFError, KeyError, NotImplementedError) as problem:
         raise InputError("is not a whole npz file of plain arrays", source=beside) from problem
-    inside = Fields.of(found, beside, "arrays")
-    return {name: _array(inside, name, inside.get(name)) for name in names}
+    return Fields.of(found, beside, "arrays")
 
 
 def _listed(kept: Fields, name: str) -> list[object]:
@@ -135,9 +147,11 @@ def _listed(kept: Fields, name: str) -> list[object]:
     return array  # type: ignore[return-value]
 
 
-def _array(kept: Fields, name: str, value: object) -> Ints:
-    if not isinstance(value, np.ndarray) or value.ndim != _SHAPES[name]:
-        raise kept.wrong(name, f"has to be an array with {_SHAPES[name]} axes")
+def whole_numbers(kept: Fields, name: str, axes: int) -> Ints:
+    """Return an array of whole numbers with so many axes."""
+    value = kept.get(name)
+    if not isinstance(value, np.ndarray) or value.ndim != axes:
+        raise kept.wrong(name, f"has to be an array with {axes} axes")
     if value.size == 0:
         return np.zeros(value.shape, dtype=np.int64)
     if value.dtype.kind != "i" or (np.abs(value.astype(np.int64)) > 2**40).any():
