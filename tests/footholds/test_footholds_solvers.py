@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from surefoot.errors import InputError
+from surefoot.errors import BackendMissing, InputError
 from surefoot.footholds import solve
 from surefoot.footholds.form import FormSolver, StandardForm, standard_form
 from surefoot.footholds.generators import strips
@@ -17,9 +18,15 @@ from surefoot.footholds.solvers import solver_of
 EASY = strips(2, bands=2, goal_x_m=0.25)
 
 
-@pytest.fixture(params=["piqp", "highs"])
+@pytest.fixture(params=["piqp", "highs", "scip", "gurobi", "mosek"])
 def solver(request: pytest.FixtureRequest) -> FormSolver:
-    return solver_of(request.param)
+    licences = {"gurobi": "GRB_LICENSE_FILE", "mosek": "MOSEKLM_LICENSE_FILE"}
+    if request.param in licences and licences[request.param] not in os.environ:
+        pytest.skip(f"{request.param} needs a licence, which {licences[request.param]} would name")
+    try:
+        return solver_of(request.param)
+    except BackendMissing as missing:
+        pytest.skip(str(missing))
 
 
 class TestSolvers:
@@ -41,6 +48,8 @@ class TestSolvers:
         assert solver.solve(standard_form(far), 30.0).feasible is False
 
     def test_agrees_on_a_program_without_binaries(self, solver: FormSolver) -> None:
+        if solver.name == "scip":
+            pytest.skip("SCIP only decides feasibility here")
         small = replace(EASY, step_s=0.05)
         best = solve(small)
         assert best.plan is not None

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from enum import StrEnum
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from surefoot.cli.bench_growth import answer_growth
+from surefoot.cli.bench_pushes import answer_pushes
 from surefoot.cli.bench_regions import answer_table_1, region_figures
 from surefoot.cli.output import AsJson, Say, answer, progress
 
@@ -26,15 +29,21 @@ class Which(StrEnum):
     NAVIGATION = "navigation"
     ACTION = "action"
     MISSION = "mission"
+    MISSIONS = "missions"
     FOOTHOLDS = "footholds"
+    GAITFREE = "gaitfree"
     REGIONS = "regions"
     TERRAIN = "terrain"
     TABLE1 = "table1"
+    PUSHES = "pushes"
     SYNTHESIS = "synthesis"
+    GROWTH = "growth"
+    SKILLS = "skills"
 
 
 def bench(
     which: Annotated[Which, typer.Argument(help="What to measure.")] = Which.ALL,
+    picture: Annotated[Path | None, typer.Option("-o", "--output", help="growth: a picture of it, PNG or SVG.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Measure speed and memory, walk a campaign, and compare with the paper and with the targets.
@@ -42,12 +51,17 @@ def bench(
     Examples:
       surefoot bench
       surefoot bench navigation --json
+      surefoot bench growth -o growth.png
 
     Exit code 0: every target is met; 1: some is missed.
     """
     with progress() as say:
         if which is Which.TABLE1:
             answer_table_1(say, as_json=as_json)
+        if which is Which.PUSHES:
+            answer_pushes(say, as_json=as_json)
+        if which is Which.GROWTH:
+            answer_growth(say, picture, as_json=as_json)
         figures = tuple(figure for suite in _suites(which) for figure in suite(say))
     met = all(figure.met is not False for figure in figures)
     answer({"figures": figures, "met": met}, _table(figures), yes=met, as_json=as_json)
@@ -58,12 +72,16 @@ def _suites(which: Which) -> tuple[Suite, ...]:
     suites: dict[Which, Suite] = {
         Which.REGIONS: region_figures,
         Which.FOOTHOLDS: _footholds,
+        Which.GAITFREE: _gaits,
         Which.TERRAIN: _terrain,
         Which.SYNTHESIS: _synthesis,
+        Which.SKILLS: _skills,
     }
     if which in suites:
         return (suites[which],)
-    return (partial(_biped, which.value), *(suites.values() if which is Which.ALL else ()))
+    if which is Which.NAVIGATION:
+        return (partial(_biped, which.value), _navigation)
+    return (partial(_biped, which.value), *((_navigation, *suites.values()) if which is Which.ALL else ()))
 
 
 def _biped(which: str, say: Say) -> Iterable[Figure]:
@@ -72,10 +90,22 @@ def _biped(which: str, say: Say) -> Iterable[Figure]:
     return benchmarks(which, say)
 
 
+def _navigation(say: Say) -> Iterable[Figure]:
+    from surefoot.cli.bench_navigation import navigation_figures
+
+    return navigation_figures(say)
+
+
 def _footholds(say: Say) -> Iterable[Figure]:
     from surefoot.cli.bench_footholds import foothold_figures
 
     return foothold_figures(say)
+
+
+def _gaits(say: Say) -> Iterable[Figure]:
+    from surefoot.cli.bench_gaitfree import gait_figures
+
+    return gait_figures(say)
 
 
 def _terrain(say: Say) -> Iterable[Figure]:
@@ -88,6 +118,12 @@ def _synthesis(say: Say) -> Iterable[Figure]:
     from surefoot.cli.bench_synthesis import synthesis_figures
 
     return synthesis_figures(say)
+
+
+def _skills(say: Say) -> Iterable[Figure]:
+    from surefoot.cli.bench_skills import skill_figures
+
+    return skill_figures(say)
 
 
 def _table(figures: tuple[Figure, ...]) -> list[str]:

@@ -8,6 +8,7 @@ import typer
 
 from surefoot.cli import (
     baselines,
+    belief,
     bench,
     demo,
     doctor,
@@ -19,6 +20,8 @@ from surefoot.cli import (
     run,
     scenario,
     simulate,
+    skills,
+    skills_terrain,
     synth,
     terrain,
     verify,
@@ -70,6 +73,7 @@ app.command("plan")(plan.plan)
 app.command("run")(run.run)
 app.command("view")(view.view)
 app.command("verify")(verify.verify)
+app.command("belief")(belief.belief)
 app.command("synth")(synth.synth)
 app.command("explain")(explain.explain)
 app.command("simulate")(simulate.simulate)
@@ -79,5 +83,8 @@ app.command("reach")(reach.reach)
 footholds.app.command("baselines")(baselines.baselines)
 app.add_typer(footholds.app, name="footholds")
 app.add_typer(terrain.app, name="terrain")
+skills_terrain.app.command("synthesize")(skills.synthesize)
+skills_terrain.app.command("show")(skills.show)
+app.add_typer(skills_terrain.app, name="skills")
 app.command("bench")(bench.bench)
 app.command("doctor")(doctor.doctor)

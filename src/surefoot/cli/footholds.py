@@ -1,4 +1,4 @@
-"""``surefoot footholds``: footholds, forces and base motion for a given gait, or a proof that there are none."""
+"""``surefoot footholds``: footholds, forces, base motion and, if it is free, the gait; or a proof of infeasibility."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from surefoot.cli.failures import ExitCode
 from surefoot.cli.output import AsJson, answer, facts, jsonable
 
 if TYPE_CHECKING:
-    from surefoot.footholds import Problem, Solution
+    from surefoot.footholds import FreeAnswer, Problem, Solution
 
 app = typer.Typer(help="Footholds for a gait: solve, retarget, animate, print the schema.", rich_markup_mode="rich")
 
@@ -33,6 +33,9 @@ def solve(
         bool, typer.Option("--retarget", help="Move the goal to the nearest feasible stance first.")
     ] = False,
     gap: Annotated[float | None, typer.Option("--gap", min=1e-9, max=0.99, help="Overrides the file's.")] = None,
+    gait: Annotated[
+        Path | None, typer.Option("--gait", help="A gait file to write, as OCS2 users read it.", show_default=False)
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Find the best footholds, forces and base motion, or prove that there are none.
@@ -40,6 +43,11 @@ def solve(
     Examples:
       surefoot footholds solve problem.yaml -o plan.json --plot plan.png
       surefoot footholds solve problem.yaml --json
+      surefoot footholds solve leap.yaml --gait leap.info
+
+    With `gait: free` in the problem the gait is found too: the search goes on
+    until the time limit, or until the gap to a bound over all gaits is small
+    enough; --gap 0.99 takes the first plan.
 
     Exit code 0: feasible; 1: infeasible, with the reason; 2: the problem file
     cannot be used; 3: unknown, a limit was reached.
@@ -61,12 +69,25 @@ def solve(
     solution = solve_problem(read)
     if output is not None:
         write_plan(output, read, solution)
+    if gait is not None:
+        _write_gait(gait, read, solution)
     if plot is not None:
         from surefoot.footholds.plan_file import plan_document
         from surefoot.viewer.footholds import draw_plan
 
         draw_plan(plan_document(read, solution, plot.parent), plot)
     _say(read, solution, as_json=as_json)
+
+
+def _write_gait(path: Path, problem: Problem, solution: Solution) -> None:
+    """Write the gait that was found, or that was given; nothing without a plan."""
+    from surefoot.compute import write_text_whole
+    from surefoot.footholds import Gait
+    from surefoot.footholds.gaits import gait_text
+
+    gait = problem.gait if solution.free is None else solution.free.gait
+    if solution.plan is not None and isinstance(gait, Gait):
+        write_text_whole(path, gait_text(gait))
 
 
 def _say(problem: Problem, solution: Solution, *, as_json: bool) -> None:
@@ -90,11 +111,21 @@ def _lines(solution: Solution) -> list[str]:
             "gap without gravity": "none" if solution.net_gap is None else solution.net_gap,
             "worst residual": solution.max_residual,
         }
+    if solution.free is not None:
+        shown |= _free_facts(solution.free)
     shown |= {"time to solve [ms]": solution.solve_ms, "time to certify [ms]": solution.certify_ms}
     shown |= {"convex programs": solution.nodes, "certificate": solution.certificate}
     head = solution.verdict.capitalize() + (f" ({solution.limit})" if solution.limit else "")
     why = [f"  because: {lack.text}" for lack in solution.explanation.lacks[:4]] if solution.explanation else []
     return [head, *why, *facts(shown), *(f"  note: {note}" for note in solution.notes)]
+
+
+def _free_facts(free: FreeAnswer) -> dict[str, Any]:
+    shown: dict[str, Any] = {"gaits tried": free.templates_tried}
+    if free.gait is not None:
+        shown |= {"gait": " ".join(free.gait.modes), "switching times [s]": list(free.gait.switching_times_s)}
+        shown |= {"proposed by": free.origin, "first plan after [s]": free.first_feasible_s}
+    return shown
 
 
 @app.command("retarget")

@@ -89,10 +89,11 @@ def standard_form(problem: Problem) -> StandardForm:
         build.add("collision", 0.0, 1.0, [(1.0, free)])
         build.add("collision", 1.0, 1.0, [(1.0, free[:, :, s]) for s in range(regions)])
         collision_implications(build, problem, motion.feet, free)
-    return StandardForm(_padded(whole_cost(problem), count), build.rows(), np.arange(motion.size, size))
+    return StandardForm(padded(whole_cost(problem), count), build.rows(), np.arange(motion.size, size))
 
 
-def _padded(cost: Cost, count: int) -> Cost:
+def padded(cost: Cost, count: int) -> Cost:
+    """Return a cost over more unknowns, on which it does not depend."""
     hessian = sp.csc_matrix(sp.block_diag([cost.hessian, sp.csc_matrix((count, count))]))
     hessian.sort_indices()
     none = np.zeros(count)

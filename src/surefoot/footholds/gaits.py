@@ -16,7 +16,7 @@ LEG_NAMES = ("LF", "RF", "LH", "RH")
 """The legs as mode names list them, in the order of ``surefoot.robots.quadruped.FEET``."""
 
 _WHOLE = 1e-3
-_MOST_SAMPLES = 2000
+MOST_SAMPLES = 2000
 _LARGEST_FILE = 100_000
 
 
@@ -36,6 +36,17 @@ class Gait:
     def horizon_s(self) -> float:
         """How long the gait lasts."""
         return self.switching_times_s[-1]
+
+
+@dataclass(frozen=True, slots=True)
+class FreeGait:
+    """A gait that is to be found.
+
+    Attributes:
+        horizon_s: how long it lasts.
+    """
+
+    horizon_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,9 +124,9 @@ def samples_of(gait: Gait, step_s: float) -> tuple[int, ...]:
         )
     if times[0] != 0 or any(b <= a for a, b in pairwise(times)):
         raise InputError("needs times that ascend from 0", key="gait.switching_times_s")
-    if times[-1] / step_s > _MOST_SAMPLES:
+    if times[-1] / step_s > MOST_SAMPLES:
         raise InputError(
-            f"lasts {times[-1]:g} s, more than the {_MOST_SAMPLES} steps of {step_s:g} s that are allowed",
+            f"lasts {times[-1]:g} s, more than the {MOST_SAMPLES} steps of {step_s:g} s that are allowed",
             key="gait.switching_times_s",
         )
     counts = tuple(round(time / step_s) for time in times)
@@ -179,6 +190,13 @@ def read_gait(path: Path) -> Gait:
     if not all(np.isfinite(times)):
         raise InputError("switchingTimes needs finite numbers", source=path, key="gait")
     return Gait(modes, times)
+
+
+def gait_text(gait: Gait) -> str:
+    """Return a gait as OCS2 users write it, and as ``read_gait`` reads it."""
+    modes = "\n".join(f"  [{k}]  {mode}" for k, mode in enumerate(gait.modes))
+    times = "\n".join(f"  [{k}]  {time:.9g}" for k, time in enumerate(gait.switching_times_s))
+    return f"modeSequence\n{{\n{modes}\n}}\n\nswitchingTimes\n{{\n{times}\n}}\n"
 
 
 def _listed(text: str, name: str, path: Path) -> tuple[str, ...]:

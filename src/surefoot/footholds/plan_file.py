@@ -9,8 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.compute import sha256_of, write_text_whole
+from surefoot.footholds.cells import with_gait
+from surefoot.footholds.gaits import FreeGait, Gait
 from surefoot.footholds.problem import Problem
-from surefoot.footholds.solve import Solution
+from surefoot.footholds.refute import refutation_document
+from surefoot.footholds.solve import FreeAnswer, Solution
 
 KIND = "foothold-plan"
 FORMAT = 1
@@ -25,6 +28,11 @@ def plan_document(problem: Problem, solution: Solution, folder: Path) -> dict[st
     """Return a plan file's object (docs/formats.md)."""
     from surefoot import __version__
 
+    free = None
+    if isinstance(problem.gait, FreeGait):
+        free = _free(problem, solution)
+        gait = None if solution.free is None else solution.free.gait
+        problem = problem if gait is None else with_gait(problem, gait)
     source = None
     if problem.source is not None:
         source = {"path": os.path.relpath(problem.source, folder), "sha256": sha256_of(Path(problem.source))}
@@ -38,6 +46,16 @@ def plan_document(problem: Problem, solution: Solution, folder: Path) -> dict[st
         "answer": answer_of(solution),
         "motion": None if solution.plan is None else _motion(problem, solution),
         "proof": None if solution.proof is None else _proof(solution),
+        **({} if free is None else {"free": free}),
+    }
+
+
+def _free(problem: Problem, solution: Solution) -> dict[str, Any]:
+    """Return what a plan of a free gait adds (docs/formats.md)."""
+    refutation = None if solution.free is None else solution.free.refutation
+    return {
+        "horizon_s": problem.gait.horizon_s,
+        "refutation": None if refutation is None else refutation_document(refutation),
     }
 
 
@@ -70,6 +88,20 @@ def answer_of(solution: Solution) -> dict[str, Any]:
         },
         "limit": solution.limit,
         "notes": list(solution.notes),
+        **({} if solution.free is None else _free_answer(solution.free)),
+    }
+
+
+def _free_answer(free: FreeAnswer) -> dict[str, Any]:
+    gait = free.gait
+    return {
+        "gait": None
+        if gait is None
+        else {"modes": list(gait.modes), "switching_times_s": list(gait.switching_times_s)},
+        "gait_from": free.origin or None,
+        "templates_tried": free.templates_tried,
+        "first_feasible_s": None if free.first_feasible_s is None else round(free.first_feasible_s, 4),
+        "first_objective": free.first_objective,
     }
 
 
@@ -78,7 +110,7 @@ def values_of(problem: Problem) -> dict[str, Any]:
     robot, options, weights = problem.robot, problem.options, problem.weights
     return {
         "robot": {name: getattr(robot, name) for name in robot.__slots__ if name != "source"},
-        "gait": {"modes": list(problem.gait.modes), "switching_times_s": list(problem.gait.switching_times_s)},
+        **_gait_values(problem.gait),
         "step_s": problem.step_s,
         "samples": problem.samples,
         "start": {
@@ -93,6 +125,12 @@ def values_of(problem: Problem) -> dict[str, Any]:
         "weights": {name: getattr(weights, name) for name in weights.__slots__},
         "gravity_mps2": problem.gravity_mps2,
     }
+
+
+def _gait_values(gait: Gait | FreeGait) -> dict[str, Any]:
+    if isinstance(gait, FreeGait):
+        return {"gait": "free", "horizon_s": gait.horizon_s}
+    return {"gait": {"modes": list(gait.modes), "switching_times_s": list(gait.switching_times_s)}}
 
 
 def _motion(problem: Problem, solution: Solution) -> dict[str, Any]:

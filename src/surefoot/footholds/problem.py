@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surefoot.footholds.gaits import Footstep, Gait, contact_table, footsteps
+from surefoot.errors import SurefootError
+from surefoot.footholds.gaits import Footstep, FreeGait, Gait, contact_table, footsteps
 from surefoot.footholds.terrain import Polygon
 from surefoot.robots.quadruped import Quadruped
 
@@ -44,6 +45,9 @@ class Options:
         com_support_m: largest distance of the base from the mean of the feet in contact, per horizontal axis, whenever
             three or more are; None for no such rows.
         pitch_keyframe: whether the reference pitch passes the slope of the motion half way.
+        cell_s: with a free gait, how long the cells are in which a foot is in contact or not.
+        min_dwell_cells: with a free gait, how many cells a stance or a swing lasts at least; what the ends cut off may
+            be shorter, as the robot stands before and after.
         gap: relative gap at which the search stops.
         time_limit_s: of the search.
     """
@@ -55,6 +59,8 @@ class Options:
     tilt_max_rad: float = 0.35
     com_support_m: float | None = None
     pitch_keyframe: bool = False
+    cell_s: float = 0.1
+    min_dwell_cells: int = 1
     gap: float = 1e-4
     time_limit_s: float = 10.0
 
@@ -65,7 +71,7 @@ class Problem:
 
     Attributes:
         robot: its numbers.
-        gait: its contact modes.
+        gait: its contact modes, or how long the gait lasts that is to be found.
         step_s: time between samples.
         start_m: base position at sample 0.
         start_rpy_rad: roll, pitch, yaw there.
@@ -80,7 +86,7 @@ class Problem:
     """
 
     robot: Quadruped
-    gait: Gait
+    gait: Gait | FreeGait
     step_s: float
     start_m: Array
     start_rpy_rad: Array
@@ -97,12 +103,14 @@ class Problem:
     @cached_property
     def contacts(self) -> NDArray[np.bool_]:
         """Which feet are in contact at which sample, shape (N, 4)."""
+        if isinstance(self.gait, FreeGait):
+            raise SurefootError("a problem whose gait is free has no contacts; give it the gait that was found")
         return contact_table(self.gait, self.step_s)
 
-    @property
+    @cached_property
     def samples(self) -> int:
         """How many samples there are."""
-        return len(self.contacts)
+        return round(self.gait.horizon_s / self.step_s)
 
     @cached_property
     def footsteps(self) -> tuple[Footstep, ...]:
@@ -202,11 +210,16 @@ def reach_span(problem: Problem) -> float:
     robot = problem.robot
     span = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
     arm = math.dist((0, 0, 0), robot.foot_reference_m) + math.dist((0, 0, 0), robot.foot_reach_m)
+    longest = problem.samples if isinstance(problem.gait, FreeGait) else _longest_flight(problem)
+    return span + 4 * arm + problem.gravity_mps2 * (longest * problem.step_s) ** 2
+
+
+def _longest_flight(problem: Problem) -> int:
     longest, current = 0, 0
     for held in (bool(row.any()) for row in problem.contacts):
         current = 0 if held else current + 1
         longest = max(longest, current)
-    return span + 4 * arm + problem.gravity_mps2 * (longest * problem.step_s) ** 2
+    return longest
 
 
 def impossible_cost(problem: Problem) -> float:

@@ -87,6 +87,12 @@ class OptionsBlock(Block):
         Field(description="largest distance of the base from the mean of three or more feet in contact"),
     ] = None
     pitch_keyframe: Annotated[bool, Field(description="let the reference pitch pass the slope half way")] = False
+    cell_s: Annotated[
+        Positive, Field(description="gait: free: how long the cells are in which a foot is in contact or not")
+    ] = 0.1
+    min_dwell_cells: Annotated[
+        int, Field(ge=1, le=1000, description="gait: free: how many cells a stance or a swing lasts at least")
+    ] = 1
     gap: Annotated[float, Field(ge=1e-9, lt=1, description="relative gap at which the search stops")] = 1e-4
     time_limit_s: Annotated[float, Field(gt=0, le=86400)] = 10.0
 
@@ -110,8 +116,12 @@ class ProblemBlock(Block):
     robot: Annotated[str, Field(min_length=1, max_length=4096, description="go2, chotu, or a robot file, relative")]
     gait: Annotated[
         str | GaitBlock,
-        Field(description="a name, a file, or {modes: [...], switching_times_s: [...]}", union_mode="left_to_right"),
+        Field(
+            description="a name, a file, {modes: [...], switching_times_s: [...]}, or free: the gait is to be found",
+            union_mode="left_to_right",
+        ),
     ]
+    horizon_s: Annotated[Positive | None, Field(description="gait: free: how long the gait lasts")] = None
     step_s: Annotated[float, Field(ge=1e-3, le=1, description="time between samples")] = 0.025
     start: StartBlock
     goal: GoalBlock

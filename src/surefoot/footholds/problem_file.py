@@ -10,7 +10,8 @@ from pydantic import ValidationError
 
 from surefoot.documents import Document, FileProblems, Loc, dotted, problems_of, read_yaml
 from surefoot.errors import InputError
-from surefoot.footholds.gaits import NAMED, Gait, contact_table, mode_contacts, read_gait
+from surefoot.footholds.cells import check_cells
+from surefoot.footholds.gaits import NAMED, FreeGait, Gait, contact_table, mode_contacts, read_gait
 from surefoot.footholds.problem import Options, Problem, Weights, nominal_feet
 from surefoot.footholds.problem_blocks import Block, ProblemBlock, RobotBlock
 from surefoot.footholds.terrain import Polygon, PolygonError, polygon
@@ -19,6 +20,9 @@ from surefoot.robots.quadruped import FOOT_NAMES, Quadruped, quadruped, quadrupe
 _REACH_TOLERANCE_M = 1e-9
 _ON_M = 1e-6
 _SINGULAR = 1e-6
+
+FREE = "free"
+"""The word for a gait that is to be found."""
 
 
 def read_problem(path: Path) -> Problem:
@@ -133,7 +137,26 @@ class _Reading:
         )
         return None
 
-    def gait(self, block: ProblemBlock) -> Gait | None:
+    def gait(self, block: ProblemBlock) -> Gait | FreeGait | None:
+        if block.gait == FREE:
+            return self.free_gait(block)
+        if block.horizon_s is not None:
+            self.complain(f"is for `gait: {FREE}`; the gait that is given has its own horizon", "horizon_s")
+        return self.fixed_gait(block)
+
+    def free_gait(self, block: ProblemBlock) -> FreeGait | None:
+        if block.horizon_s is None:
+            self.complain(f"is {FREE}, which needs `horizon_s: ...`, how long the gait lasts in seconds", "gait")
+            return None
+        options = block.options
+        try:
+            check_cells(block.horizon_s, options.cell_s, block.step_s)
+        except InputError as problem:
+            self.complain(problem.message, *(problem.key or "").split("."))
+            return None
+        return FreeGait(block.horizon_s)
+
+    def fixed_gait(self, block: ProblemBlock) -> Gait | None:
         given = block.gait
         try:
             if not isinstance(given, str):
@@ -144,7 +167,9 @@ class _Reading:
                 gait = read_gait(self.path.parent / given)
             else:
                 self.complain(
-                    f"there is no gait {given!r}; there are {', '.join(NAMED)}, or give the path of a gait file", "gait"
+                    f"there is no gait {given!r}; there are {FREE}, {', '.join(NAMED)}, or give the path of a gait "
+                    "file",
+                    "gait",
                 )
                 return None
             for mode in gait.modes:

@@ -93,6 +93,7 @@ def search(
     accept: Accept = lambda _c, _n: True,
     guesses: tuple[Choice, ...] = (),
     before: Branch | None = None,
+    worth: float = np.inf,
 ) -> Outcome:
     """Find the best choice, to a relative gap.
 
@@ -105,8 +106,10 @@ def search(
         accept: asked about every plan; when it says no the search ends with ``slack`` False.
         guesses: decided choices to try first (warm start).
         before: the root of a search with a relaxation of the program, whose bound holds here too.
+        worth: plans that cost as much are not looked for.
     """
     started = _Search(problem, program, root, gap, stop, accept)
+    started.worth = worth
     if before is not None and before.proof is before:
         started.outcome.root.bound, started.outcome.root.proof = before.bound, before
     return started.run(guesses)
@@ -118,6 +121,7 @@ class _Search:
     ) -> None:
         self.problem, self.program, self.gap, self.stop, self.accept = problem, program, gap, stop, accept
         self.outcome = Outcome(Branch(root, -np.inf))
+        self.worth = np.inf
         self.tried: set[Choice] = set()
         self.closed = np.inf
         self.impossible = impossible_cost(problem)
@@ -130,7 +134,7 @@ class _Search:
         heap: list[tuple[float, int, Branch]] = [(outcome.root.bound, 0, outcome.root)]
         count = 1
         while heap:
-            if heap[0][0] >= outcome.value * (1 - self.gap):
+            if heap[0][0] >= self.enough():
                 break
             if self.stop() or not outcome.slack:
                 outcome.complete = False
@@ -152,7 +156,7 @@ class _Search:
             branch.bound, branch.proof = max(answer.bound, branch.bound), branch
         if answer.feasible is False:
             return self.close(branch, proved=answer.bound > min(self.outcome.value, self.impossible))
-        if branch.bound >= self.outcome.value * (1 - self.gap):
+        if branch.bound >= self.enough():
             return self.close(branch)
         if answer.feasible is None:
             return self.close(branch, proved=False) if decided(branch.choice) else self.split_anywhere(branch)
@@ -161,9 +165,13 @@ class _Search:
             self.offer(branch.choice, node)
             return self.close(branch)
         self.round(rounded)
-        if branch.bound >= self.outcome.value * (1 - self.gap):
+        if branch.bound >= self.enough():
             return self.close(branch)
         return self.split(branch, node, split) if split >= 0 else self.split_off(branch, rounded)
+
+    def enough(self) -> float:
+        """Return the bound from which on a branch is of no interest."""
+        return min(self.outcome.value, self.worth) * (1 - self.gap)
 
     def solved(self, choice: Choice) -> Node:
         self.outcome.nodes += 1

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from surefoot.footholds.explain import Explanation, explain
 from surefoot.footholds.form import standard_form
+from surefoot.footholds.gaits import FreeGait, Gait
 from surefoot.footholds.model import Choice
 from surefoot.footholds.nodes import Node, Program, ReducedProgram, WholeProgram
 from surefoot.footholds.orientation import Turning, turning
@@ -19,6 +21,10 @@ from surefoot.footholds.proof import Proof, proof_of
 from surefoot.footholds.pruning import reachable
 from surefoot.footholds.search import Accept, Branch, Outcome, search
 from surefoot.footholds.solvers import HighsSolver
+
+if TYPE_CHECKING:
+    from surefoot.footholds.dual import Prices
+    from surefoot.footholds.refute import Refuted
 
 RESIDUAL_MAX = 1e-6
 _SLACK_N = 1e-9
@@ -48,6 +54,7 @@ class Solution:
         notes: which premises of the fast path did not hold.
         plan: the best plan.
         proof: what proves bound or infeasibility.
+        free: what a search for the gait adds; None where the gait was given.
     """
 
     verdict: str
@@ -68,6 +75,30 @@ class Solution:
     notes: tuple[str, ...]
     plan: Plan | None
     proof: Proof | None
+    free: FreeAnswer | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FreeAnswer:
+    """What a search for the gait adds to an answer; ``bound`` and ``gap`` of the answer are over all gaits.
+
+    Attributes:
+        gait: that was found; None without a plan.
+        origin: what proposed it: the name of a template, ``flips``, ``prices``, or ``exact program``.
+        templates_tried: how many contact tables were tried.
+        first_feasible_s: until the first verified plan; None without one.
+        first_objective: of that plan.
+        prices: what proves the bound.
+        refutation: what proves infeasibility.
+    """
+
+    gait: Gait | None
+    origin: str
+    templates_tried: int
+    first_feasible_s: float | None
+    first_objective: float | None
+    prices: Prices | None = None
+    refutation: Refuted | None = None
 
 
 def solve(
@@ -77,8 +108,9 @@ def solve(
     guesses: tuple[Choice, ...] = (),
     certify: bool = True,
     why: bool = True,
+    worth: float = np.inf,
 ) -> Solution:
-    """Find the best footholds, forces and base motion, or prove that there are none.
+    """Find the best footholds, forces and base motion, or prove that there are none; and the gait, where it is free.
 
     Args:
         problem: what to solve; its options hold gap and time limit.
@@ -86,15 +118,37 @@ def solve(
         guesses: decided choices to try first, such as those of a plan for a similar problem.
         certify: whether "infeasible" is confirmed by a second method.
         why: whether "infeasible" is explained.
+        worth: plans that cost as much are not looked for; the answer is then ``unknown``.
     """
-    return _Solving(problem, cancelled, guesses).run(certify, why)
+    if isinstance(problem.gait, FreeGait):
+        from surefoot.footholds.gaitfree import solve_free
+
+        return solve_free(problem, cancelled=cancelled, certify=certify)
+    return _Solving(problem, cancelled, guesses, worth).run(certify, why)
+
+
+def cheapest(
+    problem: Problem, *, cancelled: Callable[[], bool], worth: float
+) -> tuple[float, Choice | None, Node | None]:
+    """Return what a gait costs without turning, its choice, and its first program; none when it is worth too little.
+
+    This is ``solve`` without plan, residuals and certificates: for comparing many gaits.
+    """
+    run = _Solving(problem, cancelled, (), worth)
+    root, boxes = reachable(problem)
+    if boxes.empty is not None:
+        return np.inf, None, None
+    _, outcome = run.searched(root)
+    return outcome.value, outcome.best, outcome.root.node
 
 
 class _Solving:
     """One run: what it needs to know on the way."""
 
-    def __init__(self, problem: Problem, cancelled: Callable[[], bool], guesses: tuple[Choice, ...]) -> None:
-        self.problem, self.cancelled, self.guesses = problem, cancelled, guesses
+    def __init__(
+        self, problem: Problem, cancelled: Callable[[], bool], guesses: tuple[Choice, ...], worth: float = np.inf
+    ) -> None:
+        self.problem, self.cancelled, self.guesses, self.worth = problem, cancelled, guesses, worth
         load_backends()
         self.begin, self.begin_cpu = time.perf_counter(), time.process_time()
         self.solve_cpu_ms = 0.0
@@ -110,11 +164,15 @@ class _Solving:
         turned = None if problem.options.moment_balance else turning(problem)
         if turned is not None and turned.feasible is False:
             return self.refuted("", None, certify, why)
+        self.worth -= turned.value if turned is not None else 0.0
         program, outcome = self.searched(root)
         self.nodes += outcome.nodes
         if outcome.best is not None and outcome.node is not None:
             return self.feasible(program, outcome, turned)
         if not outcome.complete:
+            return self.unknown()
+        if outcome.bound < impossible_cost(problem) and np.isfinite(self.worth):
+            self.limit = f"no plan costs less than {self.worth:g}"
             return self.unknown()
         if outcome.bound >= impossible_cost(problem):
             return self.refuted("Farkas rays", proof_of(problem, outcome, turned), certify, why)
@@ -158,8 +216,9 @@ class _Solving:
         guesses = self.guesses if guesses is None else guesses
         gap = self.problem.options.gap
         return search(
-            self.problem, program, root, gap=gap, stop=self.stop, accept=accept, guesses=guesses, before=before
-        )
+            self.problem, program, root, gap=gap, stop=self.stop, accept=accept, guesses=guesses, before=before,
+            worth=self.worth,
+        )  # fmt: skip
 
     def feasible(self, program: Program, outcome: Outcome, turned: Turning | None) -> Solution:
         problem = self.problem
@@ -238,18 +297,31 @@ class _Solving:
         explanation: Explanation | None,
         proof: Proof | None,
     ) -> Solution:
-        return Solution(
-            verdict=verdict, objective=None, bound=None, gap=None, net_gap=None, solve_ms=solve_ms,
-            solve_cpu_ms=self.solve_cpu_ms, certify_ms=certify_ms, explain_ms=explain_ms, nodes=self.nodes,
-            max_residual=None, residuals={},
-            certificate=certificate, explanation=explanation, limit=self.limit, notes=tuple(self.notes), plan=None,
+        return replace(
+            no_plan(verdict, certificate, self.limit),
+            solve_ms=solve_ms,
+            solve_cpu_ms=self.solve_cpu_ms,
+            certify_ms=certify_ms,
+            explain_ms=explain_ms,
+            nodes=self.nodes,
+            explanation=explanation,
+            notes=tuple(self.notes),
             proof=proof,
-        )  # fmt: skip
+        )
 
     def elapsed_ms(self) -> float:
         """Return the clock's time so far, and keep the CPU time."""
         self.solve_cpu_ms = (time.process_time() - self.begin_cpu) * 1e3
         return (time.perf_counter() - self.begin) * 1e3
+
+
+def no_plan(verdict: str, certificate: str, limit: str | None) -> Solution:
+    """Return an answer without a plan."""
+    return Solution(
+        verdict=verdict, objective=None, bound=None, gap=None, net_gap=None, solve_ms=0.0, solve_cpu_ms=0.0,
+        certify_ms=0.0, explain_ms=0.0, nodes=0, max_residual=None, residuals={}, certificate=certificate,
+        explanation=None, limit=limit, notes=(), plan=None, proof=None,
+    )  # fmt: skip
 
 
 def load_backends() -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import heapq
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
-from surefoot.errors import BackendMissing
+from surefoot.errors import BackendMissing, InputError
 from surefoot.footholds.form import FormAnswer, FormSolver, StandardForm
 from surefoot.footholds.qp import solve_qp
 from surefoot.footholds.rows import Array, Quantity, RowBuilder, stacked
@@ -143,10 +144,21 @@ def _highspy() -> Any:
 
 
 def solver_of(name: str) -> FormSolver:
-    """Return a solver by its name, ``piqp`` or ``highs``."""
-    from surefoot.errors import InputError
+    """Return a solver by its name.
 
-    solvers: dict[str, FormSolver] = {"piqp": PiqpSolver(), "highs": HighsSolver()}
+    Raises:
+        InputError: there is none of that name.
+        BackendMissing: it is not installed; the message says how to.
+    """
+    from surefoot.footholds.optional_solvers import GurobiSolver, MosekSolver, ScipSolver
+
+    solvers: dict[str, Callable[[], FormSolver]] = {
+        "piqp": PiqpSolver,
+        "highs": HighsSolver,
+        "scip": ScipSolver,
+        "gurobi": GurobiSolver,
+        "mosek": MosekSolver,
+    }
     if name not in solvers:
         raise InputError(f"there is no solver {name!r}; there are: {', '.join(solvers)}")
-    return solvers[name]
+    return solvers[name]()

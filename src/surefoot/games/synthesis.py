@@ -10,7 +10,6 @@ from surefoot.compute import Deadline
 from surefoot.errors import LimitExceeded
 from surefoot.games.bits import bit_game
 from surefoot.games.diagrams import Backend
-from surefoot.games.machines import FEW_EDGES, MOST_EDGES
 from surefoot.games.minimise import minimised
 from surefoot.games.solution import FOREVER, EnvDeadEnd
 from surefoot.logic.syntax import Conjunct, Specification
@@ -178,6 +177,8 @@ def _with_strategy(answer: SynthesisAnswer, solved: Solved, question: _Question)
     auto = question.form == "auto"
     if not solved.realizable or question.form != "ranking":
         soon = Deadline.after(LISTING_LIMIT_S)
+        from surefoot.games.machines import FEW_EDGES, MOST_EDGES  # numba, which reading a specification does not need
+
         edges = FEW_EDGES if auto and solved.realizable else MOST_EDGES
         try:
             machine = solved.machine(

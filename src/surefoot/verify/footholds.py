@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from surefoot.errors import InputError
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds_file import BROKEN, FootholdFile, read_foothold_plan
+from surefoot.verify.footholds_free import cells_problem, refutation_problem
 from surefoot.verify.footholds_proof import proved_bound
 from surefoot.verify.footholds_reach import left_to_steps
 from surefoot.verify.footholds_rows import cost, jacobians, references, violations
@@ -34,7 +36,9 @@ def check_footholds(path: Path, ledger: Ledger) -> None:
 def _check(plan: FootholdFile, ledger: Ledger) -> None:
     verdict = plan.answer.get("verdict")
     ledger.counts.update(verdict=verdict, samples=len(plan.contacts), footsteps=len(plan.steps))
-    if verdict == "feasible":
+    if plan.free is not None:
+        _check_free(plan, plan.free, ledger)
+    elif verdict == "feasible":
         _check_motion(plan, ledger)
         _check_bound(plan, ledger)
     elif verdict == "infeasible":
@@ -56,6 +60,26 @@ def _check_motion(plan: FootholdFile, ledger: Ledger) -> None:
     claimed = plan.answer.get("objective")
     if not _near(claimed, objective):
         ledger.refuse("footholds, objective", f"is {objective:.9g}, not {claimed}", "answer.objective")
+
+
+def _check_free(plan: FootholdFile, free: dict[str, Any], ledger: Ledger) -> None:
+    """Check a plan whose gait was found: motion, gait and infeasibility; the bound over all gaits is not checked."""
+    if plan.answer.get("verdict") == "infeasible":
+        problem = refutation_problem(plan, free.get("refutation"))
+        ledger.counts.update(refuted_by="rays of the relaxation")
+        if problem:
+            ledger.refuse("footholds, refutation", problem, "free.refutation")
+        return
+    if plan.answer.get("verdict") != "feasible":
+        ledger.refuse("footholds, verdict", "claims nothing that could be checked", "answer.verdict")
+        return
+    _check_motion(plan, ledger)
+    problem = cells_problem(plan)
+    if problem:
+        ledger.refuse("footholds, gait", problem, "values.gait")
+    if not math.isclose(len(plan.contacts) * plan.number("step_s"), float(free["horizon_s"]), abs_tol=_CLOSE):
+        ledger.refuse("footholds, gait", "does not last as long as the problem says", "values.gait")
+    ledger.counts.update(bound="not checked" if plan.answer.get("bound") is not None else None)
 
 
 def _near(claimed: object, found: float) -> bool:

@@ -51,6 +51,7 @@ class FootholdFile:
         polygons: the polygon of every step, as the file says.
         regions: the free region of every foot and window.
         proof: as it stands in the file.
+        free: what plans of a free gait add, as it stands in the file; None for a gait that was given.
     """
 
     path: Path
@@ -62,6 +63,7 @@ class FootholdFile:
     polygons: tuple[int, ...]
     regions: tuple[int, ...]
     proof: dict[str, Any] | None
+    free: dict[str, Any] | None = None
 
     def number(self, *keys: str) -> float:
         """Return a number of the values."""
@@ -103,14 +105,20 @@ def _read(path: Path, fields: Fields) -> FootholdFile:
     proof = fields.get("proof")
     if fields.get("problem") is not None:
         _same_problem(checked_file(fields.mapping("problem"), path.parent), values)
-    return FootholdFile(
-        path, values, answer, contacts, steps, arrays, polygons, regions, proof if isinstance(proof, dict) else None
-    )
+    free = dict(fields.mapping("free").values) if fields.has("free") and fields.get("free") else None
+    proof = proof if isinstance(proof, dict) else None
+    return FootholdFile(path, values, answer, contacts, steps, arrays, polygons, regions, proof, free)
 
 
 def _contacts(values: dict[str, Any]) -> NDArray[np.bool_]:
     """Derive the contact table: sample i has the mode whose half-open interval holds i dt; sample 0 is stance."""
-    times, modes, step_s = values["gait"]["switching_times_s"], values["gait"]["modes"], float(values["step_s"])
+    step_s = float(values["step_s"])
+    if values["gait"] == "free":
+        size = round(float(values["horizon_s"]) / step_s)
+        if not 4 <= size <= MOST_SAMPLES:
+            raise ValueError(f"{size} samples")
+        return np.ones((size, 4), dtype=bool)
+    times, modes = values["gait"]["switching_times_s"], values["gait"]["modes"]
     size = round(float(times[-1]) / step_s)
     if not 4 <= size <= MOST_SAMPLES:
         raise ValueError(f"{size} samples")
@@ -171,6 +179,8 @@ def _same_problem(path: Path, values: dict[str, Any]) -> None:
     for key in ("step_s", "start", "goal", "free_regions", "weights", "gravity_mps2"):
         if given.get(key) is not None and not _agrees(given[key], values[key]):
             raise InputError(f"is not what {path.name} says", source=path, key=key)
+    if given.get("gait") == "free" and "horizon_s" in values and not _agrees(given["horizon_s"], values["horizon_s"]):
+        raise InputError(f"is not what {path.name} says", source=path, key="horizon_s")
     for said, used in zip(given["polygons"], values["polygons"], strict=True):
         corners = {tuple(round(float(x), 9) + 0.0 for x in corner) for corner in said["vertices_m"]}
         if corners != {tuple(round(float(x), 9) + 0.0 for x in corner) for corner in used["vertices_m"]}:

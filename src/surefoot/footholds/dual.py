@@ -1,0 +1,256 @@
+"""A lower bound for all gaits at once: base and feet are priced apart, and each foot takes its cheapest pattern.
+
+Two things couple the feet: the reach rows tie each of them to the base, and the feet in contact share the force. Prices
+(multipliers) ``reach`` on the rows of Eq. (16), and ``pull`` y on the force of every sample, as for n feet in contact
+
+    w |F|^2 / n  >=  2 y . F - n |y|^2 / w        for every y, with equality at y = w F / n,
+
+take the coupling apart: the base is one linear system, and every foot a shortest path (``paths``). For any prices the
+sum is a lower bound of the cost of every gait; friction, torque and collision are left out, which only lowers it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from surefoot.footholds.cells import Cells, cell_count, cell_samples
+from surefoot.footholds.paths import STANCE, SWING, WIDE_M, cheapest_path
+from surefoot.footholds.places import Places, places_of
+from surefoot.footholds.problem import Problem
+from surefoot.footholds.rows import Array, Index
+from surefoot.footholds.swings import SwingCosts, swing_costs, swing_of
+
+_LEVELS = 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prices:
+    """Multipliers.
+
+    Attributes:
+        reach: of Eq. (16), positive where the upper bound presses, in the axes of the base, shape (N, 4, 3).
+        pull: y of every sample, shape (N, 3).
+    """
+
+    reach: Array
+    pull: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Priced:
+    """What prices prove, and the way to better ones.
+
+    Attributes:
+        bound: lower bound of the cost of base, feet and forces.
+        slope: a supergradient of the bound.
+        cells: the cheapest pattern of every foot, shape (M, 4).
+        base_m: shape (N, 3).
+    """
+
+    bound: float
+    slope: Prices
+    cells: Cells
+    base_m: Array
+    parts: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FootCosts:
+    """What stances and swings cost at some prices (see ``cheapest_path``).
+
+    Attributes:
+        pricing: whose problem and places are meant.
+        swings: of all feet.
+        square: of all feet.
+        slopes: by foot.
+        constants: by foot.
+    """
+
+    pricing: Pricing
+    swings: SwingCosts
+    square: Array
+    slopes: list[Array]
+    constants: list[Array]
+
+    def cheapest(self, foot: int, allowed: Index) -> tuple[float, list[tuple[int, int, int]]]:
+        """Return a foot's cheapest path in the cells that are allowed."""
+        low, high, middle = self.pricing.boxes[foot]
+        value, path = cheapest_path(
+            low, high, middle, self.pricing.level[foot], self.square, self.slopes[foot], self.constants[foot],
+            self.swings.ends, self.swings.slopes[foot], self.swings.constants[foot], self.swings.high_slopes[foot],
+            self.swings.high_constants[foot], allowed, self.pricing.problem.options.min_dwell_cells,
+        )  # fmt: skip
+        return value, [(int(a), int(b), int(box)) for a, b, box in path if a >= 0][::-1]
+
+
+def levels_of(heights_m: Array) -> Array:
+    """Return a few heights that stand for all."""
+    levels = sorted({round(float(height), 2) for height in heights_m})
+    while len(levels) > _LEVELS:
+        near = int(np.argmin(np.diff(levels)))
+        levels[near : near + 2] = [(levels[near] + levels[near + 1]) / 2]
+    return np.array(levels)
+
+
+class Pricing:
+    """Evaluates prices for one problem.
+
+    Args:
+        problem: its gait is free.
+        budget: how many boxes of footholds each foot gets.
+        points: whether only their middles count: no bound, but a concave function with a true supergradient.
+    """
+
+    def __init__(self, problem: Problem, budget: int, *, points: bool = False) -> None:
+        self.problem, self.points = problem, points
+        self.count, self.per = cell_count(problem), cell_samples(problem)
+        self.places: list[Places] = [places_of(problem, foot, budget) for foot in range(4)]
+        allowed = np.zeros((self.count, 4), dtype=np.int64)
+        allowed[[0, -1]] = STANCE
+        self.allowed: Index = allowed
+        self.boxes = [self._boxes(here, foot) for foot, here in enumerate(self.places)]
+        heights = [middle[:, 2] for _, _, middle in self.boxes]
+        self.levels_m = levels_of(np.concatenate(heights))
+        self.level = [np.abs(own[:, None] - self.levels_m).argmin(axis=1) for own in heights]
+
+    def _boxes(self, here: Places, foot: int) -> tuple[Array, Array, Array]:
+        """Return the corners of the boxes of a foot and a likely point in each; the start foothold is the last."""
+        point = self.problem.feet_m[foot][None]
+        low, high = np.concatenate([here.low, point]), np.concatenate([here.high, point])
+        path = self.problem.foot_reference_m[:, foot]
+        likely = np.clip(np.median(path, axis=0), low, high)
+        middle = np.where(high - low < WIDE_M, (low + high) / 2, likely)
+        return (middle, middle, middle) if self.points else (low, high, middle)
+
+    @cached_property
+    def second(self) -> Array:
+        """Second differences of a path at rest at sample 0, over dt^2, rows 1 .. N-1; row 0 is empty."""
+        size = self.problem.samples
+        matrix = np.zeros((size, size))
+        for row in range(1, size):
+            matrix[row, row] += 1.0
+            matrix[row, row - 1] -= 2.0
+            matrix[row, max(row - 2, 0)] += 1.0
+        divided: Array = matrix / self.problem.step_s**2
+        return divided
+
+    @cached_property
+    def base_inverse(self) -> Array:
+        """Inverse of the base's Hessian between its ends."""
+        weights, size = self.problem.weights, self.problem.samples
+        hessian = 2 * weights.acceleration * self.second.T @ self.second + 2 * weights.position * np.eye(size)
+        self.base_hessian = hessian
+        inverse: Array = np.asarray(np.linalg.inv(hessian[1:-2, 1:-2]), dtype=np.float64)
+        return inverse
+
+    def at(self, prices: Prices, allowed: Index | None = None) -> Priced:
+        """Return what prices prove."""
+        problem, robot = self.problem, self.problem.robot
+        world = np.einsum("iab,ijb->ija", problem.rotations, prices.reach)
+        base_value, base, force = self.base(world.sum(axis=1), prices.pull)
+        reward = (prices.pull**2).sum(axis=1) / problem.weights.force
+        cells, feet, foot_values = self.feet(world, reward, self.allowed if allowed is None else allowed)
+        nominal, reach = np.array(robot.feet_m), np.array(robot.foot_reach_m)
+        ties = float((prices.reach * nominal).sum() + (np.abs(prices.reach) * reach).sum())
+        bound = base_value + float(foot_values.sum()) - ties
+        off = np.einsum("iba,ijb->ija", problem.rotations, feet - base[:, None]) - nominal
+        rise = np.where(
+            prices.reach != 0, off - np.sign(prices.reach) * reach, np.sign(off) * np.maximum(np.abs(off) - reach, 0.0)
+        )
+        held = np.repeat(cells, self.per, axis=0).sum(axis=1)
+        draw = 2 * force - 2 * held[:, None] * prices.pull / problem.weights.force
+        return Priced(bound, Prices(rise, draw), cells, base, np.concatenate([[base_value - ties], foot_values]))
+
+    def base(self, world: Array, pull: Array) -> tuple[float, Array, Array]:
+        """Return the base's least cost, its path and the force that moves it."""
+        problem, weights = self.problem, self.problem.weights
+        mass, inverse = problem.robot.mass_kg, self.base_inverse
+        reference = problem.base_reference_m
+        linear = -world - 2 * weights.position * reference + 2 * mass * self.second.T @ pull
+        path = np.zeros_like(reference)
+        path[0], path[-2:] = problem.start_m, problem.goal_m
+        known = self.base_hessian @ path
+        path[1:-2] = -inverse @ (linear + known)[1:-2]
+        first = -mass * pull[0] / weights.acceleration
+        value = float((path * (self.base_hessian @ path)).sum() / 2 + (linear * path).sum())
+        value += weights.position * float((reference**2).sum()) - weights.acceleration * float((first**2).sum())
+        up = np.array([0.0, 0.0, problem.gravity_mps2])
+        value += 2 * mass * float((pull @ up).sum())
+        acceleration = self.second @ path
+        acceleration[0] = first
+        return value, path, mass * (acceleration + up)
+
+    def feet(self, world: Array, reward: Array, allowed: Index) -> tuple[Cells, Array, Array]:
+        """Return every foot's cheapest pattern, its path, and its cost."""
+        table = self.table(world, reward)
+        cells = np.zeros((self.count, 4), dtype=bool)
+        paths, values = np.zeros((self.problem.samples, 4, 3)), np.zeros(4)
+        for foot in range(4):
+            values[foot], stances = table.cheapest(foot, allowed[:, foot])
+            if np.isfinite(values[foot]):
+                cells[:, foot], paths[:, foot] = self.trajectory(foot, stances, world[:, foot], table.swings)
+        return cells, paths, values
+
+    def table(self, world: Array, reward: Array) -> FootCosts:
+        """Return what stances and swings cost at given prices."""
+        problem, per = self.problem, self.per
+        track = problem.weights.foot
+        square = 2 * track * per * np.arange(self.count + 1, dtype=float)
+        reference = problem.foot_reference_m
+        slopes = [self.summed(world[:, foot] - 2 * track * reference[:, foot]) for foot in range(4)]
+        constants = [
+            self.summed((track * (reference[:, foot] ** 2).sum(axis=1) - reward)[:, None])[:, 0] for foot in range(4)
+        ]
+        return FootCosts(self, swing_costs(problem, world, self.levels_m), square, slopes, constants)
+
+    def guesses(self, prices: Prices) -> Callable[[Cells], float]:
+        """Return a function that says what prices prove about one contact table; cheap, for ranking."""
+        world = np.einsum("iab,ijb->ija", self.problem.rotations, prices.reach)
+        robot = self.problem.robot
+        ties = float((prices.reach * np.array(robot.feet_m)).sum())
+        ties += float((np.abs(prices.reach) * np.array(robot.foot_reach_m)).sum())
+        rest = self.base(world.sum(axis=1), prices.pull)[0] - ties
+        table = self.table(world, (prices.pull**2).sum(axis=1) / self.problem.weights.force)
+        known: dict[tuple[int, bytes], float] = {}
+
+        def value(cells: Cells) -> float:
+            total = rest
+            for foot in range(4):
+                key = (foot, cells[:, foot].tobytes())
+                if key not in known:
+                    known[key] = table.cheapest(foot, np.where(cells[:, foot], STANCE, SWING))[0]
+                total += known[key]
+            return total
+
+        return value
+
+    def summed(self, values: Array) -> Array:
+        """Return sums over all samples before each cell."""
+        sums = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
+        return sums[:: self.per]
+
+    def trajectory(
+        self, foot: int, stances: list[tuple[int, int, int]], world: Array, swings: SwingCosts
+    ) -> tuple[Array, Array]:
+        """Return contacts by cell and positions by sample of a path."""
+        problem, per, weights = self.problem, self.per, self.problem.weights
+        held = np.zeros(self.count, dtype=bool)
+        path = np.zeros((problem.samples, 3))
+        points = [self.boxes[foot][2][box] for _, _, box in stances]
+        kinds = self.level[foot]
+        for (since, end, _), point in zip(stances, points, strict=True):
+            held[since:end] = True
+            path[since * per : end * per] = point
+        for (_, lift, box), (to, _, goal), p, q in zip(stances, stances[1:], points, points[1:], strict=False):
+            size = (to - lift) * per
+            one = swing_of(size, problem.step_s, weights.foot, weights.foot_acceleration)
+            samples = np.arange(lift * per, to * per)
+            linear = world[samples] - 2 * weights.foot * problem.foot_reference_m[samples, foot]
+            linear[:, 2] -= swings.pressed[to - lift][foot, kinds[box], kinds[goal], lift - 1]
+            path[samples[:-1]] = one.gain.T @ np.array([p, q]) - one.inverse @ linear[:-1]
+            path[samples[-1]] = q
+        return held, path

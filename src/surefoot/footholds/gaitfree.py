@@ -1,0 +1,221 @@
+"""Finds the gait: templates first, then a bound over all gaits, and gaits that its prices and small changes suggest.
+
+Zhou et al. 2025, VI-D, Eqs. (21)-(28), as the least over all contact tables of the gait-fixed program. Nothing depends
+on time, except when to stop.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surefoot.footholds.ascent import Ascent, even_prices, prices_of_node
+from surefoot.footholds.cells import Cells, cell_count, fixed, gait_of
+from surefoot.footholds.decide import Decided, decided_exactly, decided_quickly
+from surefoot.footholds.dual import Prices, Pricing
+from surefoot.footholds.flips import neighbours
+from surefoot.footholds.model import Choice
+from surefoot.footholds.orientation import turning
+from surefoot.footholds.pool import FIRST, GUESSED, LAST, LATER, NEAR, Pool
+from surefoot.footholds.problem import Problem
+from surefoot.footholds.solve import FreeAnswer, Solution, cheapest, load_backends, no_plan, solve
+from surefoot.footholds.templates import first_templates, templates
+
+_COMPARE_GAP = 1e-3
+_GUESSED = 12
+_ROUND = 30
+_GUIDE_BOXES, _BOUND_BOXES = 16, 32
+_TRIES_PER_ROUND = 12
+_TRIES_BEFORE_DOUBT = 13
+_TRIES_BEFORE_EXACT = 160
+_SURE = 1.02
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """A gait that works.
+
+    Attributes:
+        cells: its contact table.
+        choice: its polygons.
+        value: its cost, without that of the orientation.
+        origin: what proposed it.
+    """
+
+    cells: Cells
+    choice: Choice
+    value: float
+    origin: str
+
+
+def solve_free(problem: Problem, *, cancelled: Callable[[], bool] = lambda: False, certify: bool = True) -> Solution:
+    """Find a gait, footholds, forces and base motion, with a bound over all gaits, or prove that there are none."""
+    load_backends()
+    Pricing(problem, 1, points=True).at(even_prices(problem))
+    return _Search(problem, cancelled).run(certify)
+
+
+class _Search:
+    def __init__(self, problem: Problem, cancelled: Callable[[], bool]) -> None:
+        self.problem, self.cancelled = problem, cancelled
+        self.begin, self.begin_cpu = time.perf_counter(), time.process_time()
+        self.limit: str | None = None
+        self.tried = 0
+        self.found: Found | None = None
+        self.first_s: float | None = None
+        self.first_objective: float | None = None
+        self.bound = -np.inf
+        self.prices: Prices | None = None
+
+    def stop(self) -> bool:
+        if self.cancelled():
+            self.limit = "cancelled"
+        elif self.elapsed_s() > self.problem.options.time_limit_s:
+            self.limit = f"the time limit of {self.problem.options.time_limit_s:g} s was reached"
+        return self.limit is not None
+
+    def elapsed_s(self) -> float:
+        return time.perf_counter() - self.begin
+
+    @property
+    def close(self) -> bool:
+        """Whether the gap is small enough."""
+        return self.found is not None and self.found.value - self.bound <= self.problem.options.gap * self.found.value
+
+    def run(self, certify: bool) -> Solution:
+        decided = decided_quickly(self.problem, self.stop)
+        if decided is not None:
+            return self.negative(decided)
+        guide = Pricing(self.problem, _GUIDE_BOXES, points=True)
+        self.pool = Pool(guide)
+        dwell = self.problem.options.min_dwell_cells
+        named = list(templates(cell_count(self.problem), dwell))
+        guess = guide.guesses(even_prices(self.problem))
+        named.sort(key=lambda one: (guess(one[1]), one[1].tobytes()))
+        self.pool.add(named[:_GUESSED], GUESSED)
+        self.pool.add(first_templates(cell_count(self.problem), dwell), FIRST)
+        self.pool.price(even_prices(self.problem))
+        while self.found is None and not self.stop() and self.tried < _TRIES_BEFORE_DOUBT and self.try_next():
+            pass
+        self.pool.add(named, LAST)
+        if self.found is None and not self.stop():
+            decided = decided_quickly(self.problem, self.stop, thorough=True)
+            if decided is not None:
+                return self.negative(decided)
+        while self.found is None and not self.stop() and self.tried < _TRIES_BEFORE_EXACT and self.try_next():
+            pass
+        if self.found is None and not self.stop() and certify:
+            decided = decided_exactly(self.problem, self.problem.options.time_limit_s - self.elapsed_s())
+            if decided.cells is None:
+                return self.negative(decided)
+            self.offer(decided.cells, "exact program")
+        if self.found is None:
+            return self.negative(Decided((), None, "no gait that was tried is feasible"))
+        self.improve(guide)
+        return self.positive()
+
+    def try_next(self) -> bool:
+        """Try the contact table that promises most; return whether there was one."""
+        best = self.pool.pop(np.inf if self.found is None else self.found.value * _SURE)
+        if best is None:
+            return False
+        before = self.found
+        prices = self.offer(*best)
+        if prices is not None and (self.found is None or self.found is not before):
+            self.pool.price(prices)
+        return True
+
+    def offer(self, cells: Cells, origin: str) -> Prices | None:
+        """Try a contact table, keep it when it is the best so far, and return its prices."""
+        self.tried += 1
+        at = fixed(self.problem, cells)
+        at = replace(at, options=replace(at.options, gap=_COMPARE_GAP))
+        worth = np.inf if self.found is None else self.found.value
+        value, choice, node = cheapest(at, cancelled=self.stop, worth=worth)
+        prices = None if node is None or node.motion is None else prices_of_node(at, node)
+        if choice is None or value >= worth:
+            return prices
+        if self.found is None:
+            checked = solve(at, guesses=(choice,), certify=False, why=False)
+            if checked.verdict != "feasible":
+                return prices
+            self.first_s, self.first_objective = self.elapsed_s(), checked.objective
+        self.found = Found(cells, choice, value, origin)
+        self.pool.defer(NEAR, LATER)
+        self.pool.add((("flips", near) for near in neighbours(cells, self.problem.options.min_dwell_cells)), NEAR)
+        return prices
+
+    def improve(self, guide: Pricing) -> None:
+        """Lower the cost and raise the bound by turns."""
+        assert self.found is not None
+        exact = Pricing(self.problem, _BOUND_BOXES)
+        ascent = Ascent(guide, even_prices(self.problem))
+        self.prove(exact, even_prices(self.problem))
+        while not self.stop() and not self.close:
+            for _ in range(_TRIES_PER_ROUND):
+                if self.stop() or self.close or not self.try_next():
+                    break
+            for _ in range(_ROUND):
+                if self.stop():
+                    break
+                self.pool.add([("prices", ascent.step(self.found.value).cells)], LATER)
+            self.pool.price(ascent.prices)
+            self.prove(exact, ascent.prices)
+            if ascent.stuck and not self.pool.tables:
+                return
+
+    def prove(self, exact: Pricing, prices: Prices) -> None:
+        """Raise the bound by prices, if they can."""
+        bound = exact.at(prices).bound
+        if bound > self.bound:
+            self.bound, self.prices = bound, prices
+
+    def positive(self) -> Solution:
+        """Return the best plan, solved once more to the end with its gait."""
+        assert self.found is not None
+        at = fixed(self.problem, self.found.cells)
+        at = replace(at, options=replace(at.options, gap=_COMPARE_GAP))
+        best = solve(at, guesses=(self.found.choice,), certify=False, why=False)
+        assert best.objective is not None
+        turned = 0.0 if self.problem.options.moment_balance else turning(self.problem).bound
+        bound = min(self.bound + turned, best.objective)
+        net = best.objective - at.gravity_cost
+        return replace(
+            best,
+            bound=bound if np.isfinite(bound) else None,
+            gap=(best.objective - bound) / best.objective if np.isfinite(bound) else None,
+            net_gap=(best.objective - bound) / net if net > 0 and np.isfinite(bound) else None,
+            solve_ms=self.elapsed_s() * 1e3,
+            solve_cpu_ms=(time.process_time() - self.begin_cpu) * 1e3,
+            limit=self.limit,
+            proof=None,
+            free=self.answer(),
+        )
+
+    def negative(self, decided: Decided) -> Solution:
+        proved = len(decided.methods) > 1
+        limit = self.limit if proved else self.limit or decided.open
+        solution = no_plan(
+            "infeasible" if proved else "unknown", " and ".join(decided.methods) if proved else "none", limit
+        )
+        return replace(
+            solution,
+            solve_ms=self.elapsed_s() * 1e3,
+            solve_cpu_ms=(time.process_time() - self.begin_cpu) * 1e3,
+            certify_ms=decided.certify_ms,
+            free=replace(self.answer(), refutation=decided.refutation),
+        )
+
+    def answer(self) -> FreeAnswer:
+        best = self.found
+        return FreeAnswer(
+            gait=None if best is None else gait_of(best.cells, self.problem.options.cell_s),
+            origin="" if best is None else best.origin,
+            templates_tried=self.tried,
+            first_feasible_s=self.first_s,
+            first_objective=self.first_objective,
+            prices=self.prices,
+        )

@@ -1,0 +1,25 @@
+"""Small problems with a free gait, shared by tests."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from surefoot.footholds import FreeGait, Options, Problem
+from surefoot.footholds.free_families import free_problem_of
+
+
+def leap(gap: float = 0.99, time_limit_s: float = 60.0) -> Problem:
+    """Return a gap leap of a second, for which any plan will do."""
+    problem = free_problem_of("gap-leap", 3)
+    options = replace(problem.options, gap=gap, time_limit_s=time_limit_s)
+    return replace(problem, gait=FreeGait(1.0), options=options)
+
+
+def tiny(goal_x_m: float, cells: int = 5) -> Problem:
+    """Return a problem of few cells whose gaits can be enumerated: 0.1 s per sample, 0.2 s per cell."""
+    problem = free_problem_of("gap-leap", 0)
+    options = Options(cell_s=0.2, gap=1e-4, time_limit_s=60.0, clearance_m=0.02)
+    goal = np.array([goal_x_m, 0.0, 0.29])
+    return replace(problem, gait=FreeGait(0.2 * cells), step_s=0.1, goal_m=goal, options=options)

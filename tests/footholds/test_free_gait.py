@@ -1,0 +1,270 @@
+"""Free gaits: cells, templates, plans, bounds, refutations, and what the checker says to all that."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+from free_scenes import leap, tiny
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from surefoot.errors import BackendMissing, InputError, SurefootError
+from surefoot.footholds import FreeGait, read_problem, solve, solve_with_gaits, write_plan
+from surefoot.footholds.ascent import Ascent, even_prices
+from surefoot.footholds.cells import cell_count, fixed, gait_of, obeys
+from surefoot.footholds.decide import decided_exactly
+from surefoot.footholds.dual import Prices, Pricing
+from surefoot.footholds.flips import neighbours
+from surefoot.footholds.free_families import FREE_FAMILIES, free_problem_of
+from surefoot.footholds.free_form import free_form, reach_boxes
+from surefoot.footholds.gaits import contact_table, gait_text, read_gait
+from surefoot.footholds.skeleton import skeleton
+from surefoot.footholds.solvers import HighsSolver, run_highs, solver_of
+from surefoot.footholds.templates import first_templates, templates
+from surefoot.footholds.terrain import polygon
+from surefoot.verify.findings import Ledger
+from surefoot.verify.footholds import check_footholds
+
+GOOD = """\
+format: 1
+robot: go2
+gait: free
+horizon_s: 1.0
+start: {position_m: [0, 0, 0.29]}
+goal:  {position_m: [0.6, 0, 0.29]}
+polygons:
+  - {vertices_m: [[-1, -1, 0], [2, -1, 0], [2, 1, 0], [-1, 1, 0]], friction: 0.6}
+"""
+
+TABLES = st.lists(st.tuples(*[st.booleans()] * 4), min_size=1, max_size=8).map(
+    lambda rows: np.array([[True] * 4, *rows, [True] * 4])
+)
+
+
+def checked(path: Path) -> Ledger:
+    ledger = Ledger()
+    check_footholds(path, ledger)
+    return ledger
+
+
+@given(TABLES)
+def test_a_gait_gives_back_its_cells(cells: np.ndarray) -> None:
+    table = contact_table(gait_of(cells, 0.1), 0.025)
+    assert np.array_equal(table, np.repeat(cells, 4, axis=0))
+
+
+@given(TABLES)
+def test_a_gait_survives_its_text(tmp_path_factory: pytest.TempPathFactory, cells: np.ndarray) -> None:
+    path = tmp_path_factory.mktemp("gait") / "gait.info"
+    gait = gait_of(cells, 0.1)
+    path.write_text(gait_text(gait))
+    assert read_gait(path) == gait
+
+
+@pytest.mark.parametrize("dwell", [1, 2, 3])
+def test_templates_and_neighbours_are_different_and_obey(dwell: int) -> None:
+    found = [cells for _, cells in templates(12, dwell)]
+    assert len({cells.tobytes() for cells in found}) == len(found) > 50
+    assert all(obeys(cells, dwell) for cells in found)
+    assert all(obeys(cells, dwell) for _, cells in first_templates(12, dwell))
+    near = list(neighbours(found[-1], dwell))
+    assert near
+    assert all(obeys(cells, dwell) for cells in near)
+
+
+def test_reads_a_free_gait(tmp_path: Path) -> None:
+    path = tmp_path / "problem.yaml"
+    path.write_text(GOOD)
+    problem = read_problem(path)
+    assert problem.gait == FreeGait(1.0)
+    assert problem.samples == 40
+    assert cell_count(problem) == 10
+    with pytest.raises(SurefootError, match="gait is free"):
+        _ = problem.contacts
+
+
+@pytest.mark.parametrize(
+    ("line", "instead", "says"),
+    [
+        ("horizon_s: 1.0\n", "", "needs `horizon_s"),
+        ("horizon_s: 1.0", "horizon_s: 1.03", "multiples of options.cell_s"),
+        ("horizon_s: 1.0", "horizon_s: 0.2", "multiples of options.cell_s"),
+        ("gait: free", "gait: trot-1s", "has its own horizon"),
+        ("horizon_s: 1.0", "horizon_s: 1.0\noptions: {cell_s: 0.03}", "multiples of step_s"),
+    ],
+)
+def test_refuses_cells_that_do_not_fit(tmp_path: Path, line: str, instead: str, says: str) -> None:
+    path = tmp_path / "problem.yaml"
+    path.write_text(GOOD.replace(line, instead))
+    with pytest.raises(InputError, match=says):
+        read_problem(path)
+
+
+def test_finds_a_gait_for_a_leap_that_verifies(tmp_path: Path) -> None:
+    problem = leap()
+    solution = solve(problem)
+    assert solution.verdict == "feasible"
+    assert solution.free is not None
+    assert solution.free.gait is not None
+    assert solution.free.first_feasible_s is not None
+    assert solution.max_residual is not None
+    assert solution.max_residual < 1e-6
+    assert solution.bound is not None
+    assert solution.objective is not None
+    assert 0 < solution.bound < solution.objective
+    path = tmp_path / "plan.json"
+    write_plan(path, problem, solution)
+    assert not checked(path).kept
+    again = solve(replace(problem, gait=solution.free.gait))
+    assert again.objective == pytest.approx(solution.objective, rel=1e-3)
+
+
+def test_the_checker_refuses_gaits_that_do_not_fit_their_cells(tmp_path: Path) -> None:
+    problem = leap()
+    path = tmp_path / "plan.json"
+    write_plan(path, problem, solve(problem))
+    document = json.loads(path.read_text())
+    for change, says in (({"cell_s": 0.5}, "within a cell"), ({"min_dwell_cells": 9}, "shorter than")):
+        broken = json.loads(path.read_text())
+        broken["values"]["options"] |= change
+        (tmp_path / "broken.json").write_text(json.dumps(broken))
+        assert any(says in finding.message for finding in checked(tmp_path / "broken.json").kept)
+    document["free"]["horizon_s"] = 2.0
+    (tmp_path / "broken.json").write_text(json.dumps(document))
+    assert checked(tmp_path / "broken.json").kept
+
+
+def test_is_deterministic() -> None:
+    first, second = solve(leap()), solve(leap())
+    assert first.objective == second.objective
+    assert first.bound == second.bound
+
+
+def test_cancelling_at_once_answers_unknown() -> None:
+    solution = solve(leap(), cancelled=lambda: True)
+    assert solution.verdict == "unknown"
+    assert solution.limit == "cancelled"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_refutes_the_hopeless_and_the_checker_agrees(tmp_path: Path, seed: int) -> None:
+    problem = free_problem_of("hopeless", (0, 2, 3, 5)[seed])
+    solution = solve(problem)
+    assert solution.verdict == "infeasible"
+    assert " and " in solution.certificate
+    path = tmp_path / "plan.json"
+    write_plan(path, problem, solution)
+    assert not checked(path).kept
+    document = json.loads(path.read_text())
+    near = document["values"]["goal"]["position_m"]
+    document["values"]["goal"]["position_m"] = [0.05, near[1], 0.29]
+    square = [[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]]
+    document["values"]["polygons"][0] = {"vertices_m": square, "friction": 0.6}
+    (tmp_path / "false.json").write_text(json.dumps(document))
+    assert checked(tmp_path / "false.json").kept
+
+
+def every_table(cells: int) -> list[np.ndarray]:
+    """Return all contact tables in which the two front and the two hind feet move together."""
+    inner = cells - 2
+    found = []
+    for front, hind in product(product((True, False), repeat=inner), repeat=2):
+        table = np.ones((cells, 4), dtype=bool)
+        table[1:-1, :2] = np.array(front)[:, None]
+        table[1:-1, 2:] = np.array(hind)[:, None]
+        found.append(table)
+    return found
+
+
+def test_no_gait_of_an_enumeration_beats_the_bound() -> None:
+    problem = tiny(0.25)
+    pricing, rough = Pricing(problem, 24), Pricing(problem, 12, points=True)
+    ascent = Ascent(rough, even_prices(problem))
+    for _ in range(80):
+        ascent.step(15_000.0)
+    bound = max(pricing.at(even_prices(problem)).bound, pricing.at(ascent.prices).bound)
+    costs = []
+    for table in every_table(5)[::3]:
+        solution = solve(fixed(problem, table), certify=False, why=False)
+        if solution.objective is not None:
+            costs.append(solution.objective)
+    assert costs
+    assert bound <= min(costs)
+    assert bound > 0.35 * min(costs)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_any_prices_bound_the_cost_of_a_plan(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    problem = tiny(0.25)
+    reach = rng.normal(size=(problem.samples, 4, 3)) * 10 ** rng.uniform(0, 3)
+    pull = even_prices(problem).pull + rng.normal(size=(problem.samples, 3)) * rng.uniform(0, 3)
+    assert Pricing(problem, 16).at(Prices(reach, pull)).bound <= PLAN_COST * (1 + 1e-9)
+
+
+PLAN_COST = solve(fixed(tiny(0.25), every_table(5)[9]), certify=False, why=False).objective or np.inf
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_plan_obeys_the_exact_program_and_its_relaxation(seed: int) -> None:
+    """What has a plan must be feasible for whatever may refute it: no constant may cut it off."""
+    problem = replace(tiny(0.3 + 0.1 * seed), options=replace(tiny(0.3).options, gap=0.99))
+    solution = solve(problem)
+    assert solution.plan is not None
+    plan = solution.plan
+    low, high = reach_boxes(problem)[0]
+    assert (plan.base_m >= low - 1e-6).all()
+    assert (plan.base_m <= high + 1e-6).all()
+    assert HighsSolver().solve(free_form(problem).form, 60.0).feasible is True
+    form = skeleton(problem)
+    assert run_highs(form, np.zeros(len(form.cost.linear)), 60.0)[0] is True
+
+
+def test_the_exact_program_finds_a_contact_table() -> None:
+    problem = tiny(0.3)
+    decided = decided_exactly(problem, 60.0)
+    assert decided.cells is not None
+    assert obeys(decided.cells, 1)
+    assert solve(fixed(problem, decided.cells), why=False).verdict == "feasible"
+
+
+def test_high_grounds_are_not_cut_off() -> None:
+    """A bound typed in once made a leap up 40 cm infeasible for every solver."""
+    problem = free_problem_of("height-step", 0)
+    ground = list(problem.polygons)
+    ground[1] = polygon([[x, y, 0.4] for x, y, _ in problem.polygons[1].vertices_m])
+    goal = np.array([problem.goal_m[0], 0.0, 0.69])
+    high = replace(problem, polygons=tuple(ground), goal_m=goal, gait=FreeGait(1.2))
+    form = skeleton(high)
+    assert run_highs(form, np.zeros(len(form.cost.linear)), 60.0)[0] is True
+
+
+def test_tries_known_gaits_first() -> None:
+    problem = leap()
+    at, solution = solve_with_gaits(problem, ["trot-1s"], [1.0])
+    assert solution.verdict == "feasible"
+    assert (solution.free is None) == (not isinstance(at.gait, FreeGait))
+
+
+@pytest.mark.parametrize("name", ["scip", "gurobi", "mosek"])
+def test_absent_solvers_say_how_to_install_them(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = {"scip": "pyscipopt", "gurobi": "gurobipy", "mosek": "mosek"}[name]
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(BackendMissing, match="pip install"):
+        solver_of(name)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("family", FREE_FAMILIES)
+@pytest.mark.parametrize("seed", range(10))
+def test_families_are_decided(family: str, seed: int) -> None:
+    problem = free_problem_of(family, seed)
+    solution = solve(replace(problem, options=replace(problem.options, gap=0.99, time_limit_s=120.0)))
+    assert solution.verdict == ("infeasible" if family == "hopeless" else "feasible")
