@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -29,14 +30,17 @@ def warm_up() -> None:
 
 
 def is_compiled() -> bool:
-    """Return whether the next call of the engine will probably not compile; costs a look into two or three folders.
+    """Return whether the next call of the engine will probably not compile; see ``is_kept``."""
+    return is_kept(Path(__file__).with_name("_kernels.py"), KERNELS)
 
-    It looks for the files that numba keeps beside this module or in its own folders, and does not import numba. Code
+
+def is_kept(source: Path, kernels: Iterable[str]) -> bool:
+    """Return whether compiled functions of a file will probably not be compiled again; costs a look into some folders.
+
+    It looks for the files that numba keeps beside the file or in its own folders, and does not import numba. Code
     kept by another version of numba or for another processor counts too, so the answer is for a message, not for more.
     """
-    source = Path(__file__).with_name("_kernels.py")
-    kernels = {path.name.split(".")[1].split("-")[0] for path in _kept_code(source)}
-    return kernels.issuperset(KERNELS)
+    return {path.name.split(".")[1].split("-")[0] for path in _kept_code(source)}.issuperset(kernels)
 
 
 def _kept_code(source: Path) -> list[Path]:

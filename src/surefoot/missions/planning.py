@@ -95,7 +95,7 @@ def _solved(scene: BipedScene, out: Path, progress: Progress, deadline: Deadline
     from surefoot.games import is_compiled, warm_up
 
     if not is_compiled():
-        progress("compiling the solver (only the first run does; it takes some seconds)")
+        progress(_first_use("compiling the solver"))
     warm_up()
     clock = _Clock()
     navigation_states, navigation_verdict, navigation = _navigation(scene, clock, progress, deadline)
@@ -110,7 +110,7 @@ def _solved(scene: BipedScene, out: Path, progress: Progress, deadline: Deadline
             context = rules.contexts.index(order_context(scene.coarse, scene.problem.start, first))
             notes += _trial_notes(trial_walks(scene, rules, action, start, context))
         with replaced_plan_folder(out) as folder:
-            progress("saving and verifying the plan")
+            progress(_work("saving and verifying the plan", "verify/composition.py", "_walk"))
             statistics = {"navigation_states": navigation_states, "action_states": action_states}
             write_plan(folder, scene, rules, navigation, action, start, statistics)
             _verify(folder)
@@ -137,7 +137,7 @@ def _navigation(
     scene: BipedScene, clock: _Clock, progress: Progress, deadline: Deadline
 ) -> tuple[int, Verdict[Unrealizable], NavigationStrategy | None]:
     """Return the size of the navigation game, its verdict and its strategy."""
-    progress("building the navigation game")
+    progress(_work("building the navigation game", "navigation/_game_kernels.py", "explore"))
     with clock.building():
         game = build_navigation_game(scene.problem, deadline)
     progress(f"solving the navigation game ({game.turns} turns of the obstacles)")
@@ -149,13 +149,25 @@ def _action(
     scene: BipedScene, rules: ActionRules, first: Order, clock: _Clock, progress: Progress, deadline: Deadline
 ) -> tuple[int, Verdict[Unrealizable], ActionStrategy | None, FineStart | None]:
     """Return the size of the action game, its verdict, its strategy, and where the robot stands at the start."""
-    progress("building the action game")
+    progress(_work("building the action game", "navigation/_action_graph.py", "explore"))
     with clock.building():
         context = order_context(scene.coarse, scene.problem.start, first)
         game = build_action_game(rules, scene.problem.heading, context)
     progress(f"solving the action game ({game.states} states)")
     with clock.solving():
         return game.states, *solve_action(game, *_fine_place(scene), deadline)
+
+
+def _work(what: str, source: str, kernel: str) -> str:
+    """Return what is done, and that it is compiled before, where its largest compiled function is not kept yet."""
+    from surefoot.games import is_kept
+
+    kept = is_kept(Path(__file__).parents[1] / source, (kernel,))
+    return what if kept else _first_use(f"compiling, then {what}")
+
+
+def _first_use(what: str) -> str:
+    return f"{what} (only the first run compiles; it takes some seconds)"
 
 
 def _start_notes(scene: BipedScene, start: FineStart) -> list[str]:

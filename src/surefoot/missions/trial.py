@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from surefoot.frames import Direction, Foot
 from surefoot.missions.biped_scene import BipedScene
-from surefoot.missions.fine_steps import FineSteps
 from surefoot.navigation import STOP_ORDER, Action, ActionRules, ActionStrategy, FineStart, FineState, apply_action
-from surefoot.walking import Unsafe, plan_step, standing_state
+
+if TYPE_CHECKING:
+    from surefoot.walking import Unsafe
 
 TRIED_FINE_CELL_M = (0.099, 0.109)
 TRIED_TREAD_M = (0.35, 0.55)
@@ -73,6 +75,9 @@ def _walk(
     first_context: int,
     chance: random.Random,
 ) -> tuple[int, Unsafe | None]:
+    from surefoot.missions.fine_steps import FineSteps
+    from surefoot.walking import Unsafe, plan_step, standing_state
+
     tables, steps = rules.tables, FineSteps(scene, rules)
     heading = scene.problem.heading
     fine = FineState(start.row, start.column, int(heading) * tables.turn_steps, int(Foot.LEFT), 0, first_context)

@@ -1,4 +1,7 @@
-"""Compiled moves of the action game; the rules are docs/rules.md, section 5."""
+"""Compiled moves of the action game; the rules are docs/rules.md, section 5.
+
+They are inlined where they are called from compiled code: a call would count references to every array of the tables.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ ROWS = np.array([-1, 0, 1, 0])
 COLUMNS = np.array([0, 1, 0, -1])
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def allowed(tables: Tables, heading: int, stance: int, mode: int, context: int, action: int) -> bool:
     """Return whether an action is allowed in a state."""
     order = tables.order[context]
@@ -38,7 +41,7 @@ def allowed(tables: Tables, heading: int, stance: int, mode: int, context: int, 
     return action >= STRAIGHT
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def deviations(tables: Tables, row: int, column: int, heading: int, mode: int, context: int, action: int) -> Any:
     """Return the largest sagittal and lateral deviation of an action."""
     last = tables.cells - 1
@@ -54,7 +57,7 @@ def deviations(tables: Tables, row: int, column: int, heading: int, mode: int, c
     return 0, (tables.lateral if done == tables.turn_steps - 1 else 0)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def height_at(tables: Tables, profile: int, row: int, column: int) -> float:
     """Return the height at a fine cell, relative to the border where its cell's axis enters."""
     if tables.axis[profile] < 0:
@@ -62,7 +65,7 @@ def height_at(tables: Tables, profile: int, row: int, column: int) -> float:
     return float(tables.height[profile, along_axis(tables, profile, row, column)])
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def along_axis(tables: Tables, profile: int, row: int, column: int) -> int:
     """Return the fine index along a stairs cell's axis."""
     last = tables.cells - 1
@@ -70,7 +73,7 @@ def along_axis(tables: Tables, profile: int, row: int, column: int) -> int:
     return last - row if axis == 0 else column if axis == 1 else row if axis == 2 else last - column
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def border_height(tables: Tables, profile: int, direction: int, leaving: bool) -> float:
     """Return the height of the border through which a cell is left or entered in a direction."""
     axis = tables.axis[profile]
@@ -80,7 +83,7 @@ def border_height(tables: Tables, profile: int, direction: int, leaving: bool) -
     return tables.gain[profile] if upward == leaving else 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def displacement(
     tables: Tables, heading: int, mode: int, context: int, action: int, sagittal: int, lateral: int
 ) -> Any:
@@ -108,7 +111,7 @@ def displacement(
     return rows + lateral * ROWS[left], columns + lateral * COLUMNS[left], next_heading, WALKING
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def border_crossed(tables: Tables, row: int, column: int) -> int:
     """Return the direction of the border that an unwrapped position lies beyond: -1 for none, -2 for two."""
     n = tables.cells
@@ -119,14 +122,14 @@ def border_crossed(tables: Tables, row: int, column: int) -> int:
     return max(vertical, horizontal)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def in_side_band(tables: Tables, row: int, column: int, heading: int) -> bool:
     """Return whether a robot with a cardinal heading stands too near to a side of its cell."""
     across = column if heading // tables.turn_steps % 2 == 0 else row
     return across < tables.band or across > tables.cells - 1 - tables.band
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def climb(
     tables: Tables,
     row: int,
@@ -154,7 +157,7 @@ def climb(
     return abs(change) <= (0.0 if level else tables.height_max) + 1e-9, change
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def move(
     tables: Tables,
     row: int,
@@ -178,7 +181,7 @@ def move(
     return arrive(tables, row, column, stance, context, action, rows, columns, next_heading, next_mode)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def arrive(
     tables: Tables,
     row: int,

@@ -107,7 +107,7 @@ def booked(lengths: tuple[float, ...]) -> NDArray[np.int64]:
     return np.array(found, np.int64)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def order_side(rules: Rules, heading: int, order: int) -> int:
     """Return 0 or 1 when an order lies left or right of a cardinal heading, else -1."""
     steps = rules.sizes[2]
@@ -117,7 +117,7 @@ def order_side(rules: Rules, heading: int, order: int) -> int:
     return 1 if turn == steps else 0 if turn == 3 * steps else -1
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def allowed(rules: Rules, heading: int, stance: int, mode: int, order: int, action: int) -> bool:
     """Return whether the table of actions allows an action."""
     if mode > READY:
@@ -134,7 +134,7 @@ def allowed(rules: Rules, heading: int, stance: int, mode: int, order: int, acti
     return STRAIGHT <= action < STRAIGHT + len(rules.straight)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def outcome_limits(rules: Rules, core: tuple[int, int, int, int, int], kind: int, action: int) -> tuple[int, int]:
     """Return the largest sagittal and lateral outcome that the environment may choose."""
     row, column, heading, _, mode = core
@@ -148,7 +148,7 @@ def outcome_limits(rules: Rules, core: tuple[int, int, int, int, int], kind: int
     return (rules.sizes[3] if inside and rules.up[kind] < 0 else 0), 0
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def turn_steps_done(rules: Rules, heading: int, mode: int) -> int:
     """Return how many steps of a turn are done."""
     if mode <= READY:
@@ -156,7 +156,7 @@ def turn_steps_done(rules: Rules, heading: int, mode: int) -> int:
     return int(heading % rules.sizes[2] if mode % 2 == 0 else -heading % rules.sizes[2])
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def moved(
     rules: Rules, core: tuple[int, int, int, int, int], order: int, action: int, sagittal: int, lateral: int
 ) -> tuple[int, int, int, int, int]:
@@ -179,7 +179,7 @@ def moved(
     return row + reach * ahead[0], column + reach * ahead[1], heading, toggled, after
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _turned(
     rules: Rules, core: tuple[int, int, int, int, int], order: int, lateral: int
 ) -> tuple[int, int, int, int, int]:
@@ -205,7 +205,7 @@ def _turned(
     return row, column, (heading + sign) % (4 * steps), 1 - stance, after
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def landed(
     rules: Rules, core: tuple[int, int, int, int, int], context: int, action: int, after: tuple[int, int, int, int, int]
 ) -> tuple[int, bool, int]:
@@ -233,7 +233,7 @@ def landed(
     return broken, crossed != NOWHERE or (order == STOP and after[4] == STANDING), crossed
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _stairs(
     rules: Rules,
     core: tuple[int, int, int, int, int],
@@ -260,7 +260,7 @@ def _stairs(
     return STEP_HEIGHT if abs(change) > (0.0 if level else rules.step_height) + 1e-9 else FINE
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def along(rules: Rules, kind: int, row: int, column: int) -> int:
     """Return the fine index of a position along the axis of its profile."""
     n, up = rules.sizes[0], rules.up[kind]
@@ -271,13 +271,13 @@ def along(rules: Rules, kind: int, row: int, column: int) -> int:
     return row if up == 2 else int(n - 1 - row)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def border(rules: Rules, kind: int, side: int) -> float:
     """Return the height of a cell at a border, relative to where its axis enters."""
     return float(rules.gain[kind] if rules.up[kind] == side else 0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def foreign_kept(rules: Rules, core: tuple[int, int, int, int, int], order: int, last: int) -> bool:
     """Return whether a state of a turn keeps the side band from all borders but the ordered and last crossed ones."""
     if core[4] <= READY:

@@ -143,18 +143,20 @@ def _walk(
                 status, achieved, _ = landed(rules, core, context, action, after)
                 if status != FINE:
                     return done, 3, stage, row
-                cell = cells[stage] + np.array([after[0] // rules.sizes[0], after[1] // rules.sizes[0]])
+                row_after = cells[stage, 0] + after[0] // rules.sizes[0]
+                column_after = cells[stage, 1] + after[1] // rules.sizes[0]
                 if not achieved:
                     failed, count = _enter(
                         rules, keys, blocks, contexts, bases, seen, stages, rows, count, most, stage, after
                     )  # fmt: skip
-                    if failed or (cell != cells[stage]).any():
+                    if failed or not _is_cell(cells[stage], row_after, column_after):
                         return done, 2 if failed else 1, stage, row
                     continue
                 for edge in range(first[stage], first[stage + 1]):
                     following = successors[edge]
-                    expected = _expected(rules, cells[stage], context)
-                    if (cell != cells[following]).any() or (cell != expected).any():
+                    if not _is_cell(cells[following], row_after, column_after) or not _is_ordered(
+                        rules.order[context], cells[stage], row_after, column_after
+                    ):
                         return done, 1, stage, row
                     failed, count = _enter(
                         rules, keys, blocks, contexts, bases, seen, stages, rows, count, most, following, after
@@ -165,10 +167,17 @@ def _walk(
 
 
 @njit(cache=True)
-def _expected(rules: Rules, cell: Array, context: int) -> Array:
-    """Return the cell in which an order has to end."""
-    order = rules.order[context]
-    return cell if order == NOWHERE else cell + OFFSETS[order]
+def _is_cell(cell: Array, row: int, column: int) -> bool:
+    """Return whether a coarse cell is the one at a row and column."""
+    return bool(cell[0] == row and cell[1] == column)
+
+
+@njit(cache=True)
+def _is_ordered(order: int, cell: Array, row: int, column: int) -> bool:
+    """Return whether a row and column are where an order that is given in a cell has to end."""
+    if order == NOWHERE:
+        return _is_cell(cell, row, column)
+    return _is_cell(cell, row - OFFSETS[order, 0], column - OFFSETS[order, 1])
 
 
 @njit(cache=True)
