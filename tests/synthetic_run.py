@@ -5,11 +5,14 @@ It has the shape of a real log and smooth orbits, which is all that pictures nee
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+
+from surefoot.compute import sha256_of
 
 OMEGA = 3.15585
 CELL_M = 2.70351
@@ -50,8 +53,13 @@ def write_plan(folder: Path) -> Path:
     document = {
         "kind": "biped-plan",
         "format": 1,
-        "scenario": {"path": "../room_mission.yaml", "sha256": "0" * 64},
-        "map": {"path": "../room.yaml", "sha256": "0" * 64, "image_path": "../room.pgm", "image_sha256": "0" * 64},
+        "scenario": {"path": "../room_mission.yaml", "sha256": sha256_of(folder / "room_mission.yaml")},
+        "map": {
+            "path": "../room.yaml",
+            "sha256": sha256_of(folder / "room.yaml"),
+            "image_path": "../room.pgm",
+            "image_sha256": sha256_of(folder / "room.pgm"),
+        },
         "grid": {
             "rows": 5,
             "columns": 6,
@@ -66,6 +74,7 @@ def write_plan(folder: Path) -> Path:
             "steering_speed_max_mps": 0.4,
             "switch_speed_max_mps": 1.1,
             "safety_distance_m": 0.52,
+            "fine_cells": 26,
             "fine_cell_m": FINE_M,
             "side_band_cells": 6,
         },
@@ -97,7 +106,7 @@ def records(laps: int) -> Iterator[dict[str, Any]]:
         "format": 1,
         "surefoot": "0.1.0",
         "versions": {"python": "3.11"},
-        "scenario": {"path": "../room_mission.yaml", **nowhere},
+        "scenario": {"path": "../room_mission.yaml", "sha256": hashlib.sha256(SCENARIO.encode()).hexdigest()},
         "map": {"path": "../room.yaml", **nowhere},
         "plan": {"path": "../plan/plan.json", **nowhere},
         "seed": 7,

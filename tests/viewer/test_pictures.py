@@ -58,7 +58,7 @@ def test_a_run_that_ended_before_its_first_step_is_drawn(tmp_path: Path) -> None
 
 
 def test_what_is_no_run_and_no_plan_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"neither the folder of a run .* nor a scenario"):
+    with pytest.raises(InputError, match=r"is none of these: the folder of a run .* a scenario"):
         view_folder(tmp_path)
     with pytest.raises(InputError, match="does not exist"):
         view_folder(tmp_path / "none")
@@ -73,11 +73,21 @@ def test_a_missing_plan_is_named(tmp_path: Path) -> None:
 
 def test_a_plan_for_another_scenario_is_refused(tmp_path: Path) -> None:
     folder = write_run(tmp_path)
-    path = tmp_path / "plan" / "plan.json"
-    document = json.loads(path.read_text())
+    log = folder / "run.jsonl"
+    header, *rest = log.read_text().splitlines(keepends=True)
+    document = json.loads(header)
     document["scenario"]["sha256"] = "1" * 64
-    path.write_text(json.dumps(document))
+    log.write_text("".join([json.dumps(document) + "\n", *rest]))
     with pytest.raises(InputError, match="another scenario"):
+        view_run(folder)
+
+
+@pytest.mark.parametrize("name", ["room_mission.yaml", "room.yaml", "room.pgm"])
+def test_nothing_is_drawn_on_a_scenario_or_map_that_was_changed(tmp_path: Path, name: str) -> None:
+    folder = write_run(tmp_path)
+    path = tmp_path / name
+    path.write_bytes(path.read_bytes() + b"\n")
+    with pytest.raises(InputError, match=rf"{name} was changed since"):
         view_run(folder)
 
 
@@ -116,11 +126,16 @@ def test_the_turn_that_is_shown_is_whole(run: Run) -> None:
 
 def turns(hidden: str) -> tuple[Turn, ...]:
     """Return turns; an ``h`` is one with a hidden obstacle."""
-    common: dict[str, Any] = {"time_s": 0.0, "cell": (0, 0), "heading": "east", "goal": 0, "order": "move east"}
+    common: dict[str, Any] = {"time_s": 0.0, "cell": (0, 0), "heading": "east", "goal": 0, "strategy": 0}
+    common["order"] = "move east"
     cells = ((0, 0),)
     return tuple(
         Turn(
-            turn=k, obstacles=cells, visible=() if sign == "h" else cells, hidden=cells if sign == "h" else (), **common
+            turn=k,
+            obstacles=cells,
+            visible=(() if sign == "h" else cells,),
+            hidden=(cells if sign == "h" else (),),
+            **common,
         )
         for k, sign in enumerate(hidden)
     )

@@ -13,6 +13,7 @@ import typer
 from surefoot.cli.bench_growth import answer_growth
 from surefoot.cli.bench_pushes import answer_pushes
 from surefoot.cli.bench_regions import answer_table_1, region_figures
+from surefoot.cli.bench_scaling import answer_scaling
 from surefoot.cli.output import AsJson, Say, answer, progress
 
 if TYPE_CHECKING:
@@ -38,12 +39,14 @@ class Which(StrEnum):
     PUSHES = "pushes"
     SYNTHESIS = "synthesis"
     GROWTH = "growth"
+    SCALING = "scaling"
     SKILLS = "skills"
+    QUADRUPED = "quadruped"
 
 
 def bench(
     which: Annotated[Which, typer.Argument(help="What to measure.")] = Which.ALL,
-    picture: Annotated[Path | None, typer.Option("-o", "--output", help="growth: a picture of it, PNG or SVG.")] = None,
+    picture: Annotated[Path | None, typer.Option("-o", "--output", help="growth and scaling: a picture, PNG.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Measure speed and memory, walk a campaign, and compare with the paper and with the targets.
@@ -62,6 +65,8 @@ def bench(
             answer_pushes(say, as_json=as_json)
         if which is Which.GROWTH:
             answer_growth(say, picture, as_json=as_json)
+        if which is Which.SCALING:
+            answer_scaling(say, picture, as_json=as_json)
         figures = tuple(figure for suite in _suites(which) for figure in suite(say))
     met = all(figure.met is not False for figure in figures)
     answer({"figures": figures, "met": met}, _table(figures), yes=met, as_json=as_json)
@@ -79,6 +84,8 @@ def _suites(which: Which) -> tuple[Suite, ...]:
     }
     if which in suites:
         return (suites[which],)
+    if which is Which.QUADRUPED:  # a campaign of many minutes: not among all the others
+        return (_quadruped,)
     if which is Which.NAVIGATION:
         return (partial(_biped, which.value), _navigation)
     return (partial(_biped, which.value), *((_navigation, *suites.values()) if which is Which.ALL else ()))
@@ -124,6 +131,12 @@ def _skills(say: Say) -> Iterable[Figure]:
     from surefoot.cli.bench_skills import skill_figures
 
     return skill_figures(say)
+
+
+def _quadruped(say: Say) -> Iterable[Figure]:
+    from surefoot.cli.bench_quadruped import quadruped_figures
+
+    return quadruped_figures(say)
 
 
 def _table(figures: tuple[Figure, ...]) -> list[str]:

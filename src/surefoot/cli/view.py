@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -25,7 +27,9 @@ class Heading(StrEnum):
 
 
 def view(
-    path: Annotated[Path, typer.Argument(help="The folder of a run or of a plan, or a scenario.", show_default=False)],
+    path: Annotated[
+        Path, typer.Argument(help="A run, a plan or a library of skills (folders), or a file.", show_default=False)
+    ],
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="The folder for the pictures; default: that folder.")
     ] = None,
@@ -39,38 +43,86 @@ def view(
         int | None, typer.Option(min=0, help="Of a run: this step, with its push and the strategy around it.")
     ] = None,
     html: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write a page that shows it in motion; opens without a network.")
+        Path | None, typer.Option(metavar="FILE", help="Write a page: a run or footholds in motion, a strategy to ask.")
+    ] = None,
+    mcap: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Record it as ROS 2 messages, for Foxglove and rosbag2.")
+    ] = None,
+    follow: Annotated[
+        bool, typer.Option("--follow", help="Of a run: show it in the browser while it is walked, until Ctrl-C.")
+    ] = False,
+    port: Annotated[
+        int | None, typer.Option(min=1024, max=65535, help="Of --follow: listen there; default: any free port.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Draw a run (map, feet, belief, phase space, keyframes) or a plan (its grid, or its answers in a cell).
+    """Draw a run, a plan, a scenario, footholds, regions or skills; show them in the browser; record them.
 
     Examples:
       surefoot view run/
       surefoot view run/ --html replay.html
+      surefoot view run/ --mcap run.mcap
+      surefoot view run/ --follow --port 8080
       surefoot view run/ --step 12
       surefoot view plan/ -o pictures/
+      surefoot view plan/ --html strategy.html
+      surefoot view footholds.json --html footholds.html
       surefoot view plan/ --cell 3,4 --heading west --goal 1
       surefoot view my.yaml
     """
-    from surefoot.viewer import view_answers, view_folder, view_page, view_step
+    from surefoot.viewer import view_answers, view_folder, view_step
 
-    if html is not None:
-        if output is not None or cell is not None or step is not None:
-            raise InputError("--html FILE names all that is written; leave out -o, --cell and --step")
-        page = view_page(path, html)
-        answer({"page": page}, [f"Wrote {page}: open it with any browser"], yes=True, as_json=as_json)
     if cell is None and (heading is not None or goal is not None):
         raise InputError("--heading and --goal belong to --cell R,C; give all or none of them")
+    if port is not None and not follow:
+        raise InputError("--port belongs to --follow; give both or only --follow")
+    if html is not None or mcap is not None or follow:
+        if output is not None or cell is not None or step is not None or (follow and (html or mcap)):
+            raise InputError("--html and --mcap, or --follow, go with no other option but --port and --json")
+        if follow:
+            _follow(path, port, as_json=as_json)
+        _write(path, html, mcap, as_json=as_json)
     if step is not None:
         if cell is not None:
             raise InputError("--step belongs to a run and --cell to a plan; give one of them")
+        _check_kind(path, "--step", "run.jsonl", "run", "--cell R,C is for plans")
         pictures = view_step(path, step, output)
     elif cell is not None:
+        _check_kind(path, "--cell", "plan.json", "plan", "--step and --html are for runs")
         pictures = view_answers(path, _asked(cell, heading, goal), output)
     else:
         pictures = view_folder(path, output)
     answer({"pictures": pictures}, [str(picture) for picture in pictures], yes=True, as_json=as_json)
+
+
+def _check_kind(path: Path, option: str, file: str, kind: str, other: str) -> None:
+    """Refuse an option for the folder of another kind."""
+    if path.is_dir() and not (path / file).is_file():
+        raise InputError(f"{option} is for {kind}s, and this folder holds no {file}; {other}", source=path)
+
+
+def _write(path: Path, html: Path | None, mcap: Path | None, *, as_json: bool) -> None:
+    """Write a page, a recording, or both."""
+    from surefoot.viewer import view_bag, view_page
+
+    written = {}
+    if html is not None:
+        written["page"] = view_page(path, html)
+    if mcap is not None:
+        written["recording"] = view_bag(path, mcap)
+    answer(written, [f"Wrote {file}" for file in written.values()], yes=True, as_json=as_json)
+
+
+def _follow(run_dir: Path, port: int | None, *, as_json: bool) -> None:
+    """Serve a run until the user has seen enough."""
+    from surefoot.viewer.live import follow
+
+    def say(address: str) -> None:
+        print(f"open {address} with a browser of this machine; Ctrl-C ends the view", file=sys.stderr, flush=True)
+
+    with suppress(KeyboardInterrupt):
+        follow(run_dir, port, say)
+    answer({"followed": run_dir}, ["The view has ended"], yes=True, as_json=as_json)
 
 
 def _asked(cell: str, heading: Heading | None, goal: int | None) -> Asked:

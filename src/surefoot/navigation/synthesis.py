@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.compute import Deadline
 from surefoot.games import Solution, environment_cannot_keep_assumptions, failing_goals, solve
 from surefoot.navigation.navigation_game import NavigationGame
-from surefoot.navigation.obstacle_play import obstacle_play
+from surefoot.navigation.obstacle_play import Play, obstacle_play
 from surefoot.navigation.strategies import NavigationStrategy
 from surefoot.verdict import Verdict
 
@@ -22,13 +22,13 @@ class Unrealizable:
         reason: one sentence or a few.
         failing_goals: indices of the goals that cannot be pursued for ever even alone.
         losing_cells: cells at which the robot decides and cannot win, whatever it knows.
-        play: how the obstacles win, a sentence a turn; see ``obstacle_play``.
+        play: how the obstacles win; None when no play was found in time.
     """
 
     reason: str
     failing_goals: tuple[int, ...] = ()
     losing_cells: tuple[int, ...] = ()
-    play: tuple[str, ...] = ()
+    play: Play | None = None
 
 
 def solve_navigation(

@@ -76,7 +76,8 @@ class Vocabulary:
 
     def skill_name(self, primitive: Primitive) -> str:
         """Return the name of a skill's proposition."""
-        return f"{primitive.direction}_{self._spelled[primitive.here]}_to_{self._spelled[primitive.next]}"
+        way = primitive.direction.replace("-", "_")
+        return f"{way}_{self._spelled[primitive.here]}_to_{self._spelled[primitive.next]}"
 
     def skill(self, primitive: Primitive, *, primed: bool = False) -> Atom:
         """Return the proposition of a skill."""
@@ -88,8 +89,8 @@ class Vocabulary:
 
     def only_at(self, cell: Cell, *, primed: bool = False) -> list[Expression]:
         """Return the same with every other row and column denied: a full assignment."""
-        rows = (_literal(f"x{row}", primed, row == cell[0]) for row in range(self.rows))
-        columns = (_literal(f"y{column}", primed, column == cell[1]) for column in range(self.columns))
+        rows = (literal(f"x{row}", primed, row == cell[0]) for row in range(self.rows))
+        columns = (literal(f"y{column}", primed, column == cell[1]) for column in range(self.columns))
         return [*rows, *columns]
 
     def is_class(self, cell: Cell, name: str, *, primed: bool = False) -> Expression:
@@ -129,15 +130,15 @@ def specification(
     return Specification(
         inputs=tuple(inputs),
         outputs=tuple(Variable(words.skill_name(primitive)) for primitive in words.primitives),
-        env_init=_section("ENV_INIT", _environment_begins(words)),
-        sys_init=_section("SYS_INIT", (Not(words.skill(primitive)) for primitive in words.primitives)),
-        env_trans=_section("ENV_TRANS", (line for one in words.primitives for line in _posts(words, one))),
-        env_trans_hard=_section("ENV_TRANS_HARD", _environment_keeps(words)),
-        sys_trans=_section("SYS_TRANS", (_pre(words, primitive) for primitive in words.primitives)),
-        sys_trans_hard=_section("SYS_TRANS_HARD", _system_keeps(words, edges)),
-        sys_liveness=_section("SYS_LIVENESS", [_at_request(words)]),
-        change_cons=_section("CHANGE_CONS", _changes(words)),
-        not_allowed_repair=_section("NOT_ALLOWED_REPAIR", _no_repair(words, edges, forbidden)),
+        env_init=section("ENV_INIT", _environment_begins(words)),
+        sys_init=section("SYS_INIT", (Not(words.skill(primitive)) for primitive in words.primitives)),
+        env_trans=section("ENV_TRANS", (line for one in words.primitives for line in _posts(words, one))),
+        env_trans_hard=section("ENV_TRANS_HARD", _environment_keeps(words)),
+        sys_trans=section("SYS_TRANS", (_pre(words, primitive) for primitive in words.primitives)),
+        sys_trans_hard=section("SYS_TRANS_HARD", _system_keeps(words, edges)),
+        sys_liveness=section("SYS_LIVENESS", [_at_request(words)]),
+        change_cons=section("CHANGE_CONS", _changes(words)),
+        not_allowed_repair=section("NOT_ALLOWED_REPAIR", _no_repair(words, edges, forbidden)),
     )
 
 
@@ -186,7 +187,7 @@ def check_pair(state: TerrainState, request: Cell) -> None:
 def _environment_begins(words: Vocabulary) -> Iterator[Expression]:
     yield from words.only_at((words.rows // 2, words.columns // 2))
     for names in words.request:
-        yield from _exactly_one(names, primed=False)
+        yield from exactly_one(names, primed=False)
 
 
 def _posts(words: Vocabulary, primitive: Primitive) -> Iterator[Expression]:
@@ -216,13 +217,13 @@ def _environment_keeps(words: Vocabulary) -> Iterator[Expression]:
     """Yield assumptions that no repair changes: one position, (i) terrain and request stay, (ii) idling stays."""
     for primed in (False, True):
         for names in words.position:
-            yield from _exactly_one(names, primed=primed)
+            yield from exactly_one(names, primed=primed)
     for cell in words.cells():
         name = terrain_name(cell)
         yield Comparison("=", Integer(name, primed=True), Integer(name))
-    yield from (_unchanged(name) for names in words.request for name in names)
+    yield from (unchanged(name) for names in words.request for name in names)
     idle = conjunction([Not(words.skill(primitive)) for primitive in words.primitives])
-    stay = conjunction([_unchanged(name) for names in words.position for name in names])
+    stay = conjunction([unchanged(name) for names in words.position for name in names])
     yield stay if idle is TRUE else Implies(idle, stay)
 
 
@@ -245,8 +246,8 @@ def _at_request(words: Vocabulary) -> Expression:
 def _changes(words: Vocabulary) -> Iterator[Expression]:
     """Yield what a repaired state has to keep: one position, another one than before."""
     for names in words.position:
-        yield from _exactly_one(names, primed=True)
-    yield Not(conjunction([_unchanged(name) for names in words.position for name in names]))
+        yield from exactly_one(names, primed=True)
+    yield Not(conjunction([unchanged(name) for names in words.position for name in names]))
 
 
 def _no_repair(words: Vocabulary, disallowed: Sequence[Edge], forbidden: Collection[Primitive]) -> Iterator[Expression]:
@@ -267,19 +268,23 @@ def _never(words: Vocabulary, edges: Iterable[Edge]) -> Iterator[Expression]:
         yield Not(conjunction([*words.at(cell), *words.at(target, primed=True)]))
 
 
-def _exactly_one(names: Sequence[str], *, primed: bool) -> Iterator[Expression]:
+def exactly_one(names: Sequence[str], *, primed: bool) -> Iterator[Expression]:
+    """Yield that one of several propositions holds, and only one."""
     yield disjunction([Atom(name, primed) for name in names])
     for one, other in combinations(names, 2):
         yield Not(conjunction([Atom(one, primed), Atom(other, primed)]))
 
 
-def _unchanged(name: str) -> Expression:
+def unchanged(name: str) -> Expression:
+    """Return that a proposition stays as it is."""
     return Iff(Atom(name), Atom(name, primed=True))
 
 
-def _literal(name: str, primed: bool, holds: bool) -> Expression:
+def literal(name: str, primed: bool, holds: bool) -> Expression:
+    """Return a proposition, or its negation."""
     return Atom(name, primed) if holds else Not(Atom(name, primed))
 
 
-def _section(name: str, lines: Iterable[Expression]) -> tuple[Conjunct, ...]:
+def section(name: str, lines: Iterable[Expression]) -> tuple[Conjunct, ...]:
+    """Return a section of a specification."""
     return tuple(Conjunct(name, line, infix(line)) for line in lines)

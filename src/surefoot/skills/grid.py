@@ -16,6 +16,7 @@ from functools import cached_property
 
 from surefoot.errors import InputError
 from surefoot.skills.classes import ClassSet
+from surefoot.skills.headings import HEADINGS, Turning, turning_of
 from surefoot.skills.measures import Measured
 from surefoot.skills.patches import Rectangle
 from surefoot.skills.quadruped_terrain import Point, QuadrupedTerrain
@@ -156,6 +157,7 @@ class TerrainSet:
         robot: name of the robot.
         states: all different, in the order of the sweep.
         asked: cells that may be asked for in every state; None for those of ``requests_of``.
+        turning: how a robot that turns sees the states; None for one that always faces ahead.
     """
 
     name: str
@@ -164,6 +166,7 @@ class TerrainSet:
     robot: str
     states: tuple[TerrainState, ...]
     asked: tuple[Cell, ...] | None = None
+    turning: Turning | None = None
 
     def requests(self, state: TerrainState) -> tuple[Cell, ...]:
         """Return the cells that may be asked for: never an obstacle."""
@@ -215,16 +218,17 @@ def terrain_state(labels: Sequence[Sequence[str]], classes: ClassSet) -> Terrain
     return state
 
 
-def terrain_set(terrain: QuadrupedTerrain, *, headings: Sequence[int] = (0,)) -> TerrainSet:
+def terrain_set(terrain: QuadrupedTerrain, *, headings: Sequence[int] | None = None) -> TerrainSet:
     """Return the terrain states that a grid meets which is slid over the map in steps of one cell.
 
     Cells outside of the map are obstacles; places where the robot cannot stand are left out, and so are duplicates.
 
     Args:
         terrain: the map.
-        headings: in quarter turns; more than one for robots that turn (IX-F).
+        headings: in quarter turns; None for all four where the robot turns (IX-F), else for one that faces along x.
     """
     rows, columns = terrain.cells
+    headings = headings or (range(HEADINGS) if terrain.yaw else (0,))
     states: dict[TerrainState, None] = {}
     for turns in headings:
         for cell in ((r, c) for r in range(rows) for c in range(columns)):
@@ -237,4 +241,6 @@ def terrain_set(terrain: QuadrupedTerrain, *, headings: Sequence[int] = (0,)) ->
             f"rules of {terrain.classes.name}",
             source=terrain.source,
         )
-    return TerrainSet(terrain.name, terrain.cell_m, terrain.classes, terrain.robot, tuple(states), terrain.requests)
+    turning = turning_of(terrain.classes, terrain.directions) if terrain.yaw else None
+    asked = terrain.requests
+    return TerrainSet(terrain.name, terrain.cell_m, terrain.classes, terrain.robot, tuple(states), asked, turning)

@@ -15,6 +15,7 @@ from typing import Any
 from surefoot import __version__
 from surefoot.compute import write_text_whole
 from surefoot.errors import InputError
+from surefoot.skills.headings import Turning, read_turning, read_way, turning_object
 from surefoot.skills.journal import CHECKS, PlanFile, check_object, differing, read_check
 from surefoot.skills.manager import Knowledge, Outcome, PairAnswer, Synthesis
 from surefoot.skills.unrepairable import Cause, Explanation
@@ -41,6 +42,7 @@ class SkillLibrary:
         states: terrain states, in their order.
         pairs: every pair of a terrain state and a request, with its strategy.
         answer: the numbers of the synthesis.
+        turning: how the robot sees a grid with every heading; None: it always faces ahead.
     """
 
     folder: Path
@@ -53,6 +55,7 @@ class SkillLibrary:
     states: tuple[TerrainState, ...]
     pairs: Mapping[tuple[TerrainState, Cell], PairAnswer]
     answer: Mapping[str, Any]
+    turning: Turning | None = None
 
     @property
     def skills(self) -> dict[Primitive, Skill]:
@@ -78,6 +81,7 @@ def write_library(
     classes: Sequence[str],
     states: Sequence[TerrainState],
     order: str,
+    turning: Turning | None = None,
 ) -> dict[str, Any]:
     """Write ``library.json``; return the numbers of the synthesis, which stand in it as ``answer``.
 
@@ -90,8 +94,10 @@ def write_library(
         classes: terrain classes, without the obstacle.
         states: all terrain states, those without a request too.
         order: of suggestions, in words.
+        turning: of a robot that turns.
     """
-    answer = {"terrain_states": len(states), **numbers(synthesis, len(classes))}
+    every = 4 * len(classes) ** 2 if turning is None else turning.exhaustive()
+    answer = {"terrain_states": len(states), **numbers(synthesis, every)}
     place = {state: index for index, state in enumerate(states)}
     results = synthesis.knowledge.results.values()
     value = {
@@ -102,6 +108,7 @@ def write_library(
         "made_with": dict(made_with),
         "terrain": dict(terrain),
         "classes": list(classes),
+        **({} if turning is None else {"headings": turning_object(turning)}),
         "order": order,
         "start": [primitive.name for primitive in synthesis.start],
         "checks": [check_object(result, plans.get(result.primitive)) for result in results],
@@ -113,12 +120,12 @@ def write_library(
     return answer
 
 
-def numbers(synthesis: Synthesis, classes: int) -> dict[str, Any]:
+def numbers(synthesis: Synthesis, every: int) -> dict[str, Any]:
     """Return the line of the paper's table, and beside its way of counting an honest one.
 
     Args:
         synthesis: all pairs.
-        classes: how many classes of terrain there are, the obstacle not counted.
+        every: how many primitives there are.
     """
     knowledge = synthesis.knowledge
     repaired, unrepairable = synthesis.count(Outcome.REPAIRED), synthesis.count(Outcome.UNREPAIRABLE)
@@ -142,7 +149,7 @@ def numbers(synthesis: Synthesis, classes: int) -> dict[str, Any]:
         "suggested": len(suggested),
         "suggested_feasible": sum(one in knowledge.skills for one in suggested),
         "fewest_new": sum(pair.fewest for pair in synthesis.pairs if pair.outcome is Outcome.REPAIRED),
-        "exhaustive": 4 * classes**2 - start_skills,
+        "exhaustive": every - start_skills,
         "handled_as_the_paper_counts": (pairs - unrepairable - undecided) / pairs if pairs else None,
         "repaired_of_those_in_need": repaired / in_need if in_need else None,
         "symbolic_s": round(sum(pair.symbolic_s for pair in synthesis.pairs), 4),
@@ -188,7 +195,8 @@ def read_library(folder: Path, *, made_with: Mapping[str, Any] | None = None) ->
 def _library(folder: Path, value: Mapping[str, Any]) -> SkillLibrary:
     checks = [read_check(check, folder / LIBRARY) for check in value["checks"]]
     states = [TerrainState(tuple(tuple(map(str, row)) for row in labels)) for labels in value["states"]]
-    pairs = [_pair(pair, states) for pair in value["pairs"]]
+    turning = read_turning(value["headings"], value["classes"]) if "headings" in value else None
+    pairs = [_pair(pair, states, turning) for pair in value["pairs"]]
     return SkillLibrary(
         folder=folder,
         made_with=dict(value["made_with"]),
@@ -200,6 +208,7 @@ def _library(folder: Path, value: Mapping[str, Any]) -> SkillLibrary:
         states=tuple(states),
         pairs={(pair.state, pair.request): pair for pair in pairs},
         answer=dict(value["answer"]),
+        turning=turning,
     )
 
 
@@ -215,7 +224,7 @@ def pair_object(pair: PairAnswer, state: int) -> dict[str, Any]:
         "state": state,
         "request": list(pair.request),
         "outcome": pair.outcome.value,
-        "strategy": [[*cell, move] for cell, move in sorted(pair.strategy.items())],
+        "strategy": _rows(pair),
         "new": [primitive.name for primitive in pair.new],
         "asked": [primitive.name for primitive in pair.asked],
         "fewest": pair.fewest,
@@ -226,19 +235,29 @@ def pair_object(pair: PairAnswer, state: int) -> dict[str, Any]:
     }
 
 
-def _pair(value: Mapping[str, Any], states: Sequence[TerrainState]) -> PairAnswer:
-    why = value["why"]
+def _rows(pair: PairAnswer) -> list[list[Any]]:
+    """Return a strategy in rows: cell and direction; with headings cell, heading, and direction or turn."""
+    if pair.poses:
+        return [[*cell, heading, way] for (cell, heading), way in sorted(pair.poses.items())]
+    return [[*cell, move] for cell, move in sorted(pair.strategy.items())]
+
+
+def _pair(value: Mapping[str, Any], states: Sequence[TerrainState], turning: Turning | None) -> PairAnswer:
+    why, rows = value["why"], value["strategy"]
     row, column = value["request"]
+    poses = {} if turning is None else {((int(r), int(c)), int(h)): read_way(way) for r, c, h, way in rows}
+    cells = {} if turning else {(int(r), int(c)): None if way is None else Direction(way) for r, c, way in rows}
     return PairAnswer(
         state=states[value["state"]],
         request=(int(row), int(column)),
         outcome=Outcome(value["outcome"]),
-        strategy={(int(r), int(c)): None if way is None else Direction(way) for r, c, way in value["strategy"]},
+        strategy=cells,
         new=_primitives(value["new"]),
         asked=_primitives(value["asked"]),
         fewest=int(value["fewest"]),
         why=None if why is None else Explanation(Cause(why["cause"]), str(why["text"]), _primitives(why["primitives"])),
         symbolic_s=float(value["symbolic_s"]),
+        poses=poses,
     )
 
 

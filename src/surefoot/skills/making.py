@@ -14,7 +14,7 @@ from surefoot.skills.grid import TerrainSet
 from surefoot.skills.journal import Stage, open_journal
 from surefoot.skills.library import LIBRARY, read_library, write_library
 from surefoot.skills.manager import SuggestionOrder, cost_aware, synthesize_library
-from surefoot.skills.skill_game import every_move
+from surefoot.skills.skill_game import CELLS, Frame
 from surefoot.skills.values import CheckResult, PhysicsCheck, Primitive
 
 Say = Callable[[str], None]
@@ -75,7 +75,8 @@ def make_library(
             say(f"going on with the {len(journal.results)} checks that are in {folder} already")
         first = checks.start_physics
         start_physics = None if first is None else journal.recording(first, Stage.START)
-        occurring = {move.skill for state in states.states for move in every_move(state)}
+        frame: Frame[Any] = states.turning or CELLS
+        occurring = {move.skill for state in states.states for move in frame.moves(state)}
         start = [primitive for primitive in checks.start if primitive in occurring]
         say(f"checking {len(start)} primitives to begin with")
         synthesis = synthesize_library(
@@ -86,6 +87,7 @@ def make_library(
             order=order,
             at_once=at_once,
             say=say,
+            frame=frame,
         )
         return write_library(
             folder,
@@ -96,6 +98,7 @@ def make_library(
             classes=states.classes.names,
             states=states.states,
             order=order_name,
+            turning=states.turning,
         )
 
 
@@ -111,6 +114,8 @@ def _terrain(states: TerrainSet, source: Path | None, folder: Path) -> dict[str,
     requests = None if states.asked is None else [list(cell) for cell in states.asked]
     grid = [states.states[0].rows, states.states[0].columns]
     value: dict[str, Any] = {"name": states.name, "cell_m": states.cell_m, "grid": grid, "requests": requests}
+    if states.turning is not None:
+        value["directions"] = [way.value for way in states.turning.directions]
     if source is not None:
         value |= {"path": os.path.relpath(source, folder), "sha256": sha256_of(source)}
     return value

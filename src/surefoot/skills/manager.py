@@ -12,15 +12,16 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 from surefoot.errors import BackendFailed
-from surefoot.skills.encoding import Edge
+from surefoot.skills.headings import Pose, Turning
 from surefoot.skills.prediction import predictor
 from surefoot.skills.repair import CostAwareOrder, Order, RandomOrder, greedily_reduced, repair
 from surefoot.skills.shortest import fewest_new
-from surefoot.skills.skill_game import Solved, every_move, pair_game, solve_game
+from surefoot.skills.skill_game import CELLS, Frame, SkillGame, Solved, directions_of, framed_game, solve_game, ways_of
 from surefoot.skills.unrepairable import Cause, Explanation, explain
-from surefoot.skills.values import Cell, CheckResult, Direction, Physics, PhysicsCheck, Primitive, TerrainState
+from surefoot.skills.values import Cell, CheckResult, Direction, Physics, PhysicsCheck, Primitive, TerrainState, Way
 
 Pair = tuple[TerrainState, Cell]
 SuggestionOrder = Callable[["Knowledge", int], Order]
@@ -72,12 +73,13 @@ class PairAnswer:
         state: classes of the cells.
         request: the cell to reach.
         outcome: realizable with the skills at hand; repaired; unrepairable; or undecided, because physics was.
-        strategy: the direction to take in every winning cell; None: stay, the request is reached.
+        strategy: the direction to take in every winning cell; None: stay, the request is reached. Empty with headings.
         new: feasible primitives that the repair added.
         asked: all that physics was asked about.
         fewest: with fewer new primitives the pair would not be realizable, given all others and what was refused.
         why: of an unrepairable or undecided pair.
         symbolic_s: time without physics [s].
+        poses: with headings, where to go or turn in every winning pose; None: stay (``planned_skill``).
     """
 
     state: TerrainState
@@ -89,6 +91,7 @@ class PairAnswer:
     fewest: int = 0
     why: Explanation | None = None
     symbolic_s: float = 0.0
+    poses: Mapping[Pose, Way | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +133,8 @@ def handle(
     physics: PhysicsCheck,
     *,
     order: SuggestionOrder = cost_aware,
-    disallowed: Iterable[Edge] = (),
+    disallowed: Iterable[tuple[Any, Any]] = (),
+    frame: Frame[Any] = CELLS,
 ) -> tuple[PairAnswer, Knowledge]:
     """Find a strategy for a pair, and if need be the skills that it lacks; offline and at run time.
 
@@ -140,7 +144,8 @@ def handle(
         knowledge: what physics has said so far.
         physics: answers about primitives that it has not been asked about.
         order: of suggestions.
-        disallowed: moves between cells that failed here; they say nothing about other places.
+        disallowed: moves between cells (with headings: poses) that failed here; they say nothing about other places.
+        frame: what the robot's states are: cells, or poses with a ``Turning``.
 
     Returns:
         the answer, and what is known after it.
@@ -148,7 +153,8 @@ def handle(
     Raises:
         InputError: the robot stands in an obstacle, or the request is outside of the grid.
     """
-    (answer,), after = handle_all([(state, request)], knowledge, physics, order=order, disallowed=disallowed)
+    pairs = [(state, request)]
+    (answer,), after = handle_all(pairs, knowledge, physics, order=order, disallowed=disallowed, frame=frame)
     return answer, after
 
 
@@ -158,13 +164,14 @@ def handle_all(
     physics: PhysicsCheck,
     *,
     order: SuggestionOrder = cost_aware,
-    disallowed: Iterable[Edge] = (),
+    disallowed: Iterable[tuple[Any, Any]] = (),
     at_once: int = 1,
     say: Callable[[str], None] = lambda _: None,
+    frame: Frame[Any] = CELLS,
 ) -> tuple[tuple[PairAnswer, ...], Knowledge]:
     """Handle pairs in their order; see ``handle`` and ``synthesize_library``."""
     edges = frozenset(disallowed)
-    questions = [_Question(state, request) for state, request in pairs]
+    questions = [_Question(state, request, frame) for state, request in pairs]
     answers: dict[int, PairAnswer] = {}
     while len(answers) < len(questions):
         wanted: dict[Primitive, None] = {}
@@ -190,6 +197,7 @@ def synthesize_library(
     order: SuggestionOrder = cost_aware,
     at_once: int = 1,
     say: Callable[[str], None] = lambda _: None,
+    frame: Frame[Any] = CELLS,
 ) -> Synthesis:
     """Handle every pair; whatever one of them adds is at hand for the next.
 
@@ -204,6 +212,7 @@ def synthesize_library(
             are made as if everything that is being asked about were feasible, so that none is asked for in vain
             unless that turns out wrong. 1: as in the paper, one pair after the other.
         say: is told of every pair that needed more than the skills at hand.
+        frame: what the robot's states are: cells, or poses with a ``Turning``.
 
     Raises:
         InputError: see ``handle``.
@@ -211,7 +220,7 @@ def synthesize_library(
     begin_s = time.perf_counter()
     first = _answered(start_physics or physics, start)
     known = Knowledge().extended(one for one in first if not start_physics or one.verdict is Physics.FEASIBLE)
-    answers, knowledge = handle_all(pairs, known, physics, order=order, at_once=at_once, say=say)
+    answers, knowledge = handle_all(pairs, known, physics, order=order, at_once=at_once, say=say, frame=frame)
     return Synthesis(knowledge, tuple(start), answers, time.perf_counter() - begin_s)
 
 
@@ -221,9 +230,14 @@ class _Question:
 
     state: TerrainState
     request: Cell
+    frame: Frame[Any]
     asked: list[Primitive] = field(default_factory=list)
     attempts: int = 0
     symbolic_s: float = 0.0
+
+    def game(self, skills: Iterable[Primitive], edges: frozenset[tuple[Any, Any]]) -> SkillGame[Any]:
+        """Return the game with some skills."""
+        return framed_game(self.frame, self.state, self.request, skills, disallowed=edges)
 
 
 def _considered(
@@ -231,17 +245,17 @@ def _considered(
     knowledge: Knowledge,
     hoped: Sequence[Primitive],
     order: SuggestionOrder,
-    edges: frozenset[Edge],
+    edges: frozenset[tuple[Any, Any]],
 ) -> PairAnswer | tuple[Primitive, ...]:
     """Answer a question, or return what physics has to be asked for it beside what is hoped to be feasible already."""
     begin_s = time.perf_counter()
-    state, request, skills = question.state, question.request, knowledge.skills
-    solved = solve_game(pair_game(state, request, skills, disallowed=edges))
+    skills, start = knowledge.skills, question.frame.start(question.state)
+    solved = solve_game(question.game(skills, edges))
     wanted: tuple[Primitive, ...] = ()
-    if state.centre not in solved.winning:
+    if start not in solved.winning:
         skills = skills.union(hoped)
-        with_hope = solve_game(pair_game(state, request, skills, disallowed=edges)) if hoped else solved
-        if state.centre in with_hope.winning:
+        with_hope = solve_game(question.game(skills, edges)) if hoped else solved
+        if start in with_hope.winning:
             return ()
         wanted = _wanted(question, skills, knowledge, order, edges)
     question.attempts += 1
@@ -255,19 +269,19 @@ def _wanted(
     skills: frozenset[Primitive],
     knowledge: Knowledge,
     order: SuggestionOrder,
-    edges: frozenset[Edge],
+    edges: frozenset[tuple[Any, Any]],
 ) -> tuple[Primitive, ...]:
     """Return primitives, none of them refused, with which the pair would be realizable; none if there are none."""
-    state, request, refused = question.state, question.request, knowledge.refused
-    game = pair_game(state, request, skills, disallowed=edges)
-    inventable = (move for move in every_move(state) if move.skill not in refused and move.skill not in skills)
+    refused, game = knowledge.refused, question.game(skills, edges)
+    every = question.frame.moves(question.state)
+    inventable = (move for move in every if move.skill not in refused and move.skill not in skills)
     suggestion = repair(game, inventable, order(knowledge, question.attempts))
     if suggestion is None:
         return ()
 
     def wins_with(primitives: Sequence[Primitive]) -> bool:
-        more = pair_game(state, request, skills.union(primitives), disallowed=edges)
-        return state.centre in solve_game(more).winning
+        more = question.game(skills.union(primitives), edges)
+        return game.start in solve_game(more).winning
 
     return greedily_reduced(suggestion.primitives, wins_with)
 
@@ -280,18 +294,21 @@ def _answered(physics: PhysicsCheck, wanted: Sequence[Primitive]) -> list[CheckR
     return results
 
 
-def _answer(question: _Question, solved: Solved[Cell], knowledge: Knowledge, edges: frozenset[Edge]) -> PairAnswer:
-    state, request, asked = question.state, question.request, tuple(question.asked)
+def _answer(
+    question: _Question, solved: Solved[Any], knowledge: Knowledge, edges: frozenset[tuple[Any, Any]]
+) -> PairAnswer:
+    state, request, frame, asked = question.state, question.request, question.frame, tuple(question.asked)
     new = tuple(one for one in asked if one in knowledge.skills)
-    if state.centre in solved.winning:
+    if frame.start(state) in solved.winning:
         outcome, why = Outcome.REPAIRED if new else Outcome.REALIZABLE, None
     else:
-        why = explain(state, request, knowledge.refused, edges)
+        why = explain(state, request, knowledge.refused, edges, frame)
         outcome = Outcome.UNDECIDED if why.cause is Cause.LIMIT else Outcome.UNREPAIRABLE
-    others = knowledge.skills.difference(asked)
-    fewest = fewest_new(state, request, others, knowledge.refused, edges) if outcome is Outcome.REPAIRED else 0
-    moves = {cell: None if move is None else move.skill.direction for cell, move in solved.strategy.items()}
-    return PairAnswer(state, request, outcome, moves, new, asked, fewest or 0, why, question.symbolic_s)
+    others, repaired = knowledge.skills.difference(asked), outcome is Outcome.REPAIRED
+    fewest = fewest_new(state, request, others, knowledge.refused, edges, frame) if repaired else 0
+    turns = isinstance(frame, Turning)
+    cells, poses = {} if turns else directions_of(solved), ways_of(solved) if turns else {}
+    return PairAnswer(state, request, outcome, cells, new, asked, fewest or 0, why, question.symbolic_s, poses)
 
 
 def _told(answer: PairAnswer) -> str:

@@ -26,11 +26,12 @@ from surefoot.footholds import Options, Problem, Solution, retarget, solve
 from surefoot.footholds.gaits import NAMED, FreeGait, Gait
 from surefoot.footholds.plan_file import plan_document
 from surefoot.footholds.problem import Array, nominal_feet
+from surefoot.footholds.terrain import Polygon
 from surefoot.robots.quadruped import Quadruped, quadruped
 from surefoot.skills.class_blocks import GroundBlock
 from surefoot.skills.classes import ClassSet
 from surefoot.skills.patches import WAYS, class_polygons
-from surefoot.skills.values import CheckResult, Direction, Physics, Primitive
+from surefoot.skills.values import CheckResult, Direction, Physics, Primitive, Turn, Way
 
 INITIAL_GAITS = ("trot-2s", "trot-3s")
 """The gaits that the first skills come from (IX-C)."""
@@ -79,16 +80,16 @@ class Crossing:
         robot: its numbers.
         cell_m: side of a cell.
         margin_m: taken off every edge.
-        direction: where the robot goes.
+        direction: where the robot goes, or which way it turns.
         here: pattern of the cell that it leaves, at height 0.
-        next: pattern of the cell that it enters, at height 0.
+        next: pattern of the cell that it enters, at height 0; of a turn, what it then sees of the same cell.
         rise_m: height of that cell above the first.
     """
 
     robot: Quadruped
     cell_m: float
     margin_m: float
-    direction: Direction
+    direction: Way
     here: GroundBlock
     next: GroundBlock
     rise_m: float
@@ -128,10 +129,14 @@ class PhysicsOfClasses:
         """Return what a primitive asks, relative to the ground that the robot stands on.
 
         Raises:
-            InputError: a class is not of this set.
+            InputError: a class is not of this set, or a turn leads from one cell to another.
         """
         for label in (primitive.here, primitive.next):
             self.classes.check_label(label)
+        if isinstance(primitive.direction, Turn) and primitive.next != self.classes.turned(primitive.here, 1):
+            after = self.classes.turned(primitive.here, 1)
+            stays = f"a turn stays in its cell, and {primitive.here} is seen as {after} after a quarter turn"
+            raise InputError(f"{primitive.name} is no skill: {stays}")
         here, there = (self.classes.classes[label].ground for label in (primitive.here, primitive.next))
         rise = there.height_m - here.height_m
         level = {"height_m": 0.0}
@@ -219,7 +224,7 @@ def crossed(standing: Problem, name: str, limits: Limits, *, explain: bool) -> t
     spent = _budget(limits.time_limit_s)
     if not isinstance(problem.gait, FreeGait):
         return problem, answered(problem, spent, explain=explain)
-    first = replace(problem, options=replace(problem.options, gap=math.inf))
+    first = replace(problem, options=replace(problem.options, first_plan=True))
     solution = solve(first, cancelled=spent, why=explain)
     if solution.free is None or solution.free.gait is None:
         return problem, solution
@@ -265,16 +270,18 @@ def _reason(solution: Solution, limits: Limits) -> str:
 
 def crossing_problem(crossing: Crossing, limits: Limits) -> Problem | str:
     """Return the foothold problem of a crossing (with a trot), both poses re-targeted, or why there is none."""
-    level, sideways = np.zeros(3), bool(WAYS[crossing.direction][1])
-    first = standing_pose(crossing.robot, crossing.here, crossing.cell_m, crossing.margin_m, sideways)
-    last = standing_pose(crossing.robot, crossing.next, crossing.cell_m, crossing.margin_m, sideways)
+    level, way = np.zeros(3), crossing.direction
+    upright = np.array([0.0, 0.0, way.quarter_turns * math.pi / 2]) if isinstance(way, Turn) else level
+    sideways = way in (Direction.LEFT, Direction.RIGHT)
+    cell = crossing.cell_m, crossing.margin_m, sideways
+    first = standing_pose(crossing.robot, crossing.here, *cell)
+    after = crossing.here if isinstance(way, Turn) else crossing.next
+    last = standing_pose(crossing.robot, after, *cell, float(upright[2]))
     if first is None:
         return "the robot cannot stand at the centre of the cell that it leaves"
     if last is None:
         return "the robot cannot stand at the centre of the cell that it enters"
     beyond = step_of(crossing)
-    places = ((crossing.here, np.zeros(3)), (crossing.next, beyond))
-    ground = [class_polygons(g, crossing.cell_m, crossing.margin_m, m, sideways=sideways) for g, m in places]
     regions = free_regions(crossing) if limits.collision else ()
     return Problem(
         robot=crossing.robot,
@@ -284,28 +291,38 @@ def crossing_problem(crossing: Crossing, limits: Limits) -> Problem | str:
         start_rpy_rad=level,
         feet_m=first[1],
         goal_m=last[0] + beyond,
-        goal_rpy_rad=level,
-        polygons=(*ground[0], *ground[1]),
+        goal_rpy_rad=upright,
+        polygons=tuple(one for ground in _grounds(crossing) for one in ground),
         free_regions=regions,
         options=Options(gap=limits.gap, time_limit_s=_CLOCK * limits.time_limit_s + 1, collision=bool(regions)),
     )
 
 
+def _grounds(crossing: Crossing) -> Iterator[tuple[Polygon, ...]]:
+    """Yield the ground of both cells; for a turn there is one."""
+    sideways = crossing.direction in (Direction.LEFT, Direction.RIGHT)
+    places = [(crossing.here, np.zeros(3)), (crossing.next, step_of(crossing))]
+    for ground, centre_m in places[:1] if isinstance(crossing.direction, Turn) else places:
+        yield class_polygons(ground, crossing.cell_m, crossing.margin_m, centre_m, sideways=sideways)
+
+
 def step_of(crossing: Crossing) -> Array:
-    """Return the way from the centre of one cell to that of the next [m]."""
+    """Return the way from the centre of one cell to that of the next [m]; a turn stays where it is."""
+    if isinstance(crossing.direction, Turn):
+        return np.zeros(3)
     x, y = WAYS[crossing.direction]
     return np.array([crossing.cell_m * x, crossing.cell_m * y, crossing.rise_m])
 
 
 @lru_cache(maxsize=256)
 def standing_pose(
-    robot: Quadruped, ground: GroundBlock, cell_m: float, margin_m: float, sideways: bool
+    robot: Quadruped, ground: GroundBlock, cell_m: float, margin_m: float, sideways: bool, yaw_rad: float = 0.0
 ) -> tuple[Array, Array] | None:
     """Return base position and feet of the pose nearest to the centre of a cell in which the robot can stand.
 
     Only the cell's own ground is stood on; None where that does not do.
     """
-    level, wished = np.zeros(3), np.array([0.0, 0.0, -robot.foot_reference_m[2]])
+    upright, wished = np.array([0.0, 0.0, yaw_rad]), np.array([0.0, 0.0, -robot.foot_reference_m[2]])
     polygons = class_polygons(ground, cell_m, margin_m, np.zeros(3), sideways=sideways)
     found = retarget(
         Problem(
@@ -313,10 +330,10 @@ def standing_pose(
             gait=NAMED[INITIAL_GAITS[0]],
             step_s=_STEP_S,
             start_m=wished,
-            start_rpy_rad=level,
-            feet_m=nominal_feet(robot, wished, level),
+            start_rpy_rad=upright,
+            feet_m=nominal_feet(robot, wished, upright),
             goal_m=wished,
-            goal_rpy_rad=level,
+            goal_rpy_rad=upright,
             polygons=polygons,
         )
     )
@@ -325,7 +342,7 @@ def standing_pose(
 
 def free_regions(crossing: Crossing) -> tuple[tuple[Array, Array], ...]:
     """Return where feet may be about the edge between cells of different height: on its low side, or above it."""
-    if abs(crossing.rise_m) < _STEP_EDGE_M:
+    if abs(crossing.rise_m) < _STEP_EDGE_M or isinstance(crossing.direction, Turn):
         return ()
     way = np.array([*WAYS[crossing.direction], 0.0])
     lower = way if crossing.rise_m > 0 else -way

@@ -9,10 +9,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from functools import cache
 
-from surefoot.skills.values import CheckResult, Direction, Physics, Primitive
+from surefoot.skills.values import CheckResult, Direction, Physics, Primitive, Turn, Way
 
-_MIRROR = {Direction.LEFT: Direction.RIGHT, Direction.RIGHT: Direction.LEFT}
+_MIRROR: dict[Way, Way] = {
+    Direction.LEFT: Direction.RIGHT,
+    Direction.RIGHT: Direction.LEFT,
+    Turn.LEFT: Turn.RIGHT,
+    Turn.RIGHT: Turn.LEFT,
+}
 _WEIGHTS = (8.0, 2.0, 0.25)
 """Of an answer about the mirror image, about the same two classes, and about one of them."""
 _PRIOR = 0.5
@@ -27,6 +33,7 @@ def predictor(known: Iterable[CheckResult]) -> Callable[[Primitive], float]:
     """
     answers = [result for result in known if result.verdict is not Physics.UNKNOWN]
 
+    @cache
     def cost(primitive: Primitive) -> float:
         yes, all_of_them = _PRIOR, 2 * _PRIOR
         for result in answers:
@@ -39,6 +46,8 @@ def predictor(known: Iterable[CheckResult]) -> Callable[[Primitive], float]:
 
 
 def _likeness(one: Primitive, other: Primitive) -> float:
+    if isinstance(one.direction, Turn) is not isinstance(other.direction, Turn):
+        return 0.0
     same_classes = (one.here, one.next) == (other.here, other.next)
     if same_classes and _MIRROR.get(one.direction) is other.direction:
         return _WEIGHTS[0]

@@ -11,7 +11,7 @@ from surefoot.footholds.terrain import Polygon
 from surefoot.skills.classes import ClassSet
 from surefoot.skills.measures import Ground, Measured
 from surefoot.skills.patches import Rectangle
-from surefoot.skills.values import Cell
+from surefoot.skills.values import Cell, Direction
 
 Point = tuple[float, float]
 
@@ -34,6 +34,8 @@ class QuadrupedTerrain:
         start_m: where the robot starts; None if it may start anywhere.
         goal_m: where it is to go; None if nobody said.
         source: the file that it was read from.
+        yaw: whether the robot turns in place (IX-F); else it always faces along x.
+        directions: which way it may walk if it turns, seen from the robot.
     """
 
     name: str
@@ -49,6 +51,8 @@ class QuadrupedTerrain:
     start_m: Point | None = None
     goal_m: Point | None = None
     source: Path | None = None
+    yaw: bool = False
+    directions: tuple[Direction, ...] = tuple(Direction)
 
     @cached_property
     def ground(self) -> Ground:

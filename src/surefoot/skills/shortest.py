@@ -9,9 +9,9 @@ from __future__ import annotations
 import heapq
 from collections.abc import Collection, Iterable
 from itertools import count
+from typing import Any
 
-from surefoot.skills.encoding import Edge
-from surefoot.skills.skill_game import every_move
+from surefoot.skills.skill_game import CELLS, Frame
 from surefoot.skills.values import Cell, Primitive, TerrainState
 
 _MOST_LABELS = 5_000
@@ -22,7 +22,8 @@ def fewest_new(
     request: Cell,
     at_hand: Collection[Primitive],
     refused: Collection[Primitive] = (),
-    disallowed: Iterable[Edge] = (),
+    disallowed: Iterable[tuple[Any, Any]] = (),
+    frame: Frame[Any] = CELLS,
 ) -> int | None:
     """Return the least number of new primitives with which the request can be reached; None if it cannot be.
 
@@ -32,32 +33,33 @@ def fewest_new(
         at_hand: primitives that cost nothing.
         refused: primitives that must not be used.
         disallowed: moves that must not be made.
+        frame: what the robot's states are.
 
     Returns:
         the number; should the search grow beyond bounds, the number that is proved so far, which is a lower bound too.
     """
-    leaving = _leaving(state, frozenset(refused), frozenset(disallowed))
-    number = count()
-    queue: list[tuple[int, int, Cell, frozenset[Primitive]]] = [(0, next(number), state.centre, frozenset())]
-    settled: dict[Cell, list[frozenset[Primitive]]] = {cell: [] for cell in state.cells()}
+    leaving = _leaving(frame, state, frozenset(refused), frozenset(disallowed))
+    number, goals = count(), frame.goals(request)
+    queue: list[tuple[int, int, Any, frozenset[Primitive]]] = [(0, next(number), frame.start(state), frozenset())]
+    settled: dict[Any, list[frozenset[Primitive]]] = {place: [] for place in frame.states(state)}
     while queue:
-        price, taken, cell, labels = heapq.heappop(queue)
-        if cell == request or taken > _MOST_LABELS:
+        price, taken, place, labels = heapq.heappop(queue)
+        if place in goals or taken > _MOST_LABELS:
             return price
-        if any(other <= labels for other in settled[cell]):
+        if any(other <= labels for other in settled[place]):
             continue
-        settled[cell].append(labels)
-        for primitive, target in leaving[cell]:
+        settled[place].append(labels)
+        for primitive, target in leaving[place]:
             after = labels if primitive in at_hand else labels | {primitive}
             heapq.heappush(queue, (len(after), next(number), target, after))
     return None
 
 
 def _leaving(
-    state: TerrainState, refused: frozenset[Primitive], disallowed: frozenset[Edge]
-) -> dict[Cell, list[tuple[Primitive, Cell]]]:
-    found: dict[Cell, list[tuple[Primitive, Cell]]] = {cell: [] for cell in state.cells()}
-    for move in every_move(state):
+    frame: Frame[Any], state: TerrainState, refused: frozenset[Primitive], disallowed: frozenset[tuple[Any, Any]]
+) -> dict[Any, list[tuple[Primitive, Any]]]:
+    found: dict[Any, list[tuple[Primitive, Any]]] = {place: [] for place in frame.states(state)}
+    for move in frame.moves(state):
         if move.skill not in refused and (move.source, move.targets[0]) not in disallowed:
             found[move.source].append((move.skill, move.targets[0]))
     return found

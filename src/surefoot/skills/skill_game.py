@@ -17,14 +17,14 @@ from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import chain
-from typing import Generic, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
 from surefoot.games.arena import Arena
 from surefoot.games.explicit import solve
 from surefoot.skills.encoding import Edge, check_pair
-from surefoot.skills.values import OBSTACLE, Cell, Direction, Primitive, TerrainState
+from surefoot.skills.values import OBSTACLE, Cell, Direction, Primitive, TerrainState, Way
 
 S = TypeVar("S", bound=Hashable)
 
@@ -97,6 +97,16 @@ class Solved(Generic[S]):
         return tuple(found)
 
 
+def ways_of(solved: Solved[S]) -> dict[S, Way | None]:
+    """Return where the strategy goes or turns in every winning state; None: it stays."""
+    return {state: None if move is None else move.skill.direction for state, move in solved.strategy.items()}
+
+
+def directions_of(solved: Solved[Cell]) -> dict[Cell, Direction | None]:
+    """Return the same for cells without headings, where nothing turns."""
+    return {cell: None if way is None else Direction(way) for cell, way in ways_of(solved).items()}
+
+
 def solve_game(game: SkillGame[S]) -> Solved[S]:
     """Solve a game with the explicit engine; an environment without a move would lose the game for the robot."""
     arena = arena_of(game)
@@ -151,29 +161,93 @@ def _options(game: SkillGame[S]) -> list[list[int]]:
     return found
 
 
+class Frame(Protocol[S]):
+    """How a pair of a terrain state and a request becomes a game: cells alone, or cells with a heading."""
+
+    def states(self, state: TerrainState) -> tuple[S, ...]:
+        """Return where the robot may be."""
+        ...
+
+    def start(self, state: TerrainState) -> S:
+        """Return where it begins."""
+        ...
+
+    def goals(self, request: Cell) -> frozenset[S]:
+        """Return what fulfils a request."""
+        ...
+
+    def cell(self, state: S) -> Cell:
+        """Return the cell of a state of the robot."""
+        ...
+
+    def moves(self, state: TerrainState) -> tuple[Move[S], ...]:
+        """Return what the robot could do if it had every primitive; every move has one target."""
+        ...
+
+
+class CellFrame:
+    """The robot is in a cell and always faces ahead; a ``Frame``."""
+
+    def states(self, state: TerrainState) -> tuple[Cell, ...]:
+        """Return every cell."""
+        return state.cells()
+
+    def start(self, state: TerrainState) -> Cell:
+        """Return the cell in the middle."""
+        return state.centre
+
+    def goals(self, request: Cell) -> frozenset[Cell]:
+        """Return the request itself."""
+        return frozenset({request})
+
+    def cell(self, state: Cell) -> Cell:
+        """Return the cell."""
+        return state
+
+    def moves(self, state: TerrainState) -> tuple[Move[Cell], ...]:
+        """Return the moves to neighbours; see ``every_move``."""
+        return every_move(state)
+
+
+CELLS = CellFrame()
+
+
 def pair_game(
     state: TerrainState, request: Cell, primitives: Iterable[Primitive], *, disallowed: Iterable[Edge] = ()
 ) -> SkillGame[Cell]:
+    """Return the game of a terrain state and a request, without headings; see ``framed_game``."""
+    return framed_game(CELLS, state, request, primitives, disallowed=disallowed)
+
+
+def framed_game(
+    frame: Frame[S],
+    state: TerrainState,
+    request: Cell,
+    primitives: Iterable[Primitive],
+    *,
+    disallowed: Iterable[tuple[S, S]] = (),
+) -> SkillGame[S]:
     """Return the game of a terrain state and a request.
 
     Args:
+        frame: what the robot's states are.
         state: classes of the cells.
         request: the cell to reach.
         primitives: the skills of the robot; each may be used wherever its classes stand side by side.
-        disallowed: moves between cells that failed at run time.
+        disallowed: moves between the robot's states that failed at run time.
 
     Raises:
         InputError: see ``check_pair``.
     """
     check_pair(state, request)
     known = frozenset(primitives)
-    cells = state.cells()
+    states = frame.states(state)
     return SkillGame(
-        states=cells,
-        start=state.centre,
-        goal=frozenset({request}),
-        lost=frozenset(cell for cell in cells if state.label(cell) == OBSTACLE),
-        moves=tuple(move for move in every_move(state) if move.skill in known),
+        states=states,
+        start=frame.start(state),
+        goal=frame.goals(request),
+        lost=frozenset(one for one in states if state.label(frame.cell(one)) == OBSTACLE),
+        moves=tuple(move for move in frame.moves(state) if move.skill in known),
         disallowed=frozenset(disallowed),
     )
 

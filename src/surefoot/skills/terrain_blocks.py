@@ -41,5 +41,10 @@ class TerrainBlock(Block):
         tuple[tuple[Index, Index], ...] | None,
         Field(description="cells [row, column] of a local grid to ask for; default: front row, rear corners"),
     ] = None
+    yaw: Annotated[bool, Field(description="whether the robot turns in place, by 90 degrees")] = False
+    directions: Annotated[
+        tuple[Literal["forward", "backward", "left", "right"], ...] | None,
+        Field(min_length=1, max_length=4, description="which way a robot that turns may walk; default: all four"),
+    ] = None
     start_m: Annotated[Place | None, Field(description="where the robot starts")] = None
     goal_m: Annotated[Place | None, Field(description="where it is to go")] = None

@@ -8,10 +8,11 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
 
+from surefoot.skills.headings import turn_primitives
 from surefoot.skills.making import Checks
 from surefoot.skills.physics import INITIAL_GAITS, REPAIR_GAITS, Limits, PhysicsOfClasses, start_primitives
 from surefoot.skills.quadruped_terrain import QuadrupedTerrain
-from surefoot.skills.values import CheckResult, PhysicsCheck, Primitive
+from surefoot.skills.values import CheckResult, PhysicsCheck, Primitive, Turn
 
 
 def terrain_checks(terrain: QuadrupedTerrain, executor: Executor, *, time_limit_s: float | None = None) -> Checks:
@@ -23,7 +24,7 @@ def terrain_checks(terrain: QuadrupedTerrain, executor: Executor, *, time_limit_
         time_limit_s: of one search for a motion; None: as physics has it.
     """
     limits = Limits() if time_limit_s is None else Limits(time_limit_s=time_limit_s)
-    start = start_primitives(terrain.classes)
+    start = (*start_primitives(terrain.classes), *(turn_primitives(terrain.classes) if terrain.yaw else ()))
 
     def physics(gaits: Sequence[str]) -> PhysicsOfClasses:
         tried = replace(limits, gaits=tuple(gaits))
@@ -31,7 +32,7 @@ def terrain_checks(terrain: QuadrupedTerrain, executor: Executor, *, time_limit_
             terrain.classes, cell_m=terrain.cell_m, robot=terrain.robot, limits=tried, executor=executor
         )
 
-    trots = physics(INITIAL_GAITS)
+    trots, every = physics(INITIAL_GAITS), physics((*INITIAL_GAITS, *REPAIR_GAITS))
     robot = json.dumps(asdict(trots.robot), sort_keys=True, default=str)
     made_with = {
         "classes": terrain.classes.name,
@@ -43,8 +44,19 @@ def terrain_checks(terrain: QuadrupedTerrain, executor: Executor, *, time_limit_
         "repair_gaits": list(REPAIR_GAITS),
         "collision": limits.collision,
     }
-    repair = _by_need(frozenset(start), physics(REPAIR_GAITS), physics((*INITIAL_GAITS, *REPAIR_GAITS)))
-    return Checks(repair, made_with, start, trots)
+    repair = _by_need(frozenset(start), physics(REPAIR_GAITS), every)
+    return Checks(repair, made_with, start, _by_kind(trots, every))
+
+
+def _by_kind(trots: PhysicsCheck, every: PhysicsCheck) -> PhysicsCheck:
+    """Return physics that tries every gait for turns: they are few, and three turns one way are one the other way."""
+
+    def check(primitives: Sequence[Primitive]) -> Iterator[CheckResult]:
+        turns = [one for one in primitives if isinstance(one.direction, Turn)]
+        yield from trots([one for one in primitives if one not in turns])
+        yield from every(turns)
+
+    return check
 
 
 def _by_need(failed: frozenset[Primitive], others: PhysicsCheck, all_of_them: PhysicsCheck) -> PhysicsCheck:

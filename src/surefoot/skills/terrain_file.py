@@ -23,6 +23,7 @@ from surefoot.skills.grid import LocalGrid
 from surefoot.skills.quadruped_terrain import Point, QuadrupedTerrain
 from surefoot.skills.segmented import Scan, is_segmented, read_segmented
 from surefoot.skills.terrain_blocks import TerrainBlock
+from surefoot.skills.values import Direction
 
 KIND, FORMAT = "quadruped-terrain", 1
 MOST_POLYGONS = 5000
@@ -86,6 +87,8 @@ def write_terrain(path: Path, terrain: QuadrupedTerrain) -> None:
         "requests": terrain.requests,
         "start_m": terrain.start_m,
         "goal_m": terrain.goal_m,
+        "yaw": terrain.yaw or None,
+        "directions": terrain.directions if terrain.yaw and len(terrain.directions) < len(Direction) else None,
     }
     lines = [f"{key}: {json.dumps(_rounded(value))}" for key, value in head.items() if value is not None]
     lines.append("polygons:")
@@ -136,6 +139,9 @@ class _Reading:
                     "requests",
                     number,
                 )
+        if block.directions is not None and (not block.yaw or len(set(block.directions)) != len(block.directions)):
+            message = "is a choice of different directions for a robot that turns: give `yaw: true` too"
+            self.complain(message, "directions")
         if rules is None or scan is None:
             raise FileProblems(self.problems)
         self.check_overlaps(scan.polygons)
@@ -147,6 +153,7 @@ class _Reading:
         terrain = QuadrupedTerrain(
             block.name, block.robot or rules.robot, rules, cell_m, block.grid, origin, cells, scan.polygons,
             next(one for one in margins if one is not None), block.requests, block.start_m, block.goal_m, self.path,
+            block.yaw, tuple(Direction) if block.directions is None else tuple(map(Direction, block.directions)),
         )  # fmt: skip
         self.check_places(terrain)
         self.stop()

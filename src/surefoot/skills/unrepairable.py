@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
-from surefoot.skills.encoding import Edge
-from surefoot.skills.skill_game import Move, every_move
+from surefoot.skills.skill_game import CELLS, Frame, Move, S
 from surefoot.skills.values import OBSTACLE, Cell, CheckResult, Physics, Primitive, TerrainState
 
 
@@ -39,7 +39,8 @@ def explain(
     state: TerrainState,
     request: Cell,
     refused: Mapping[Primitive, CheckResult],
-    disallowed: Collection[Edge] = (),
+    disallowed: Collection[tuple[Any, Any]] = (),
+    frame: Frame[Any] = CELLS,
 ) -> Explanation:
     """Return why no way leads from the centre to a request.
 
@@ -48,17 +49,18 @@ def explain(
         request: the cell that cannot be reached.
         refused: primitives that are not available, with the answer of physics.
         disallowed: moves that failed at run time.
+        frame: what the robot's states are.
     """
     if state.label(request) == OBSTACLE:
         return Explanation(Cause.OBSTACLE, f"the requested cell {request} is an obstacle")
-    every = every_move(state)
-    if request not in _reached(every, state.centre):
+    every, start, goals = frame.moves(state), frame.start(state), frame.goals(request)
+    if goals.isdisjoint(_reached(every, {start})):
         return Explanation(Cause.OBSTACLE, f"obstacles cut the requested cell {request} off from {state.centre}")
     allowed = [move for move in every if (move.source, move.targets[0]) not in disallowed]
-    if request not in _reached(allowed, state.centre):
+    if goals.isdisjoint(_reached(allowed, {start})):
         edges = ", ".join(f"{source}->{target}" for source, target in sorted(disallowed))
         return Explanation(Cause.DISALLOWED, f"every way to {request} needs a move that failed here: {edges}")
-    cut = _cut(allowed, state.centre, request, refused)
+    cut = _cut(allowed, start, goals, refused)
     unproved = [one for one in cut if refused[one].verdict is Physics.UNKNOWN]
     reasons = "; ".join(f"{one.name}: {refused[one].explanation or refused[one].verdict}" for one in cut)
     if unproved:
@@ -67,7 +69,7 @@ def explain(
 
 
 def _cut(
-    moves: Iterable[Move[Cell]], start: Cell, request: Cell, refused: Collection[Primitive]
+    moves: Iterable[Move[S]], start: S, goals: Collection[S], refused: Collection[Primitive]
 ) -> tuple[Primitive, ...]:
     """Return refused primitives that close every way: those around what the start reaches, or what reaches the request.
 
@@ -75,25 +77,26 @@ def _cut(
     """
     every = list(moves)
     left = [move for move in every if move.skill not in refused]
-    near, towards = _reached(left, start), _reached(_reversed(left), request)
-    onward, upto = _reached(_reversed(every), request), _reached(every, start)
+    near, towards = _reached(left, {start}), _reached(_reversed(left), goals)
+    onward, upto = _reached(_reversed(every), goals), _reached(every, {start})
     out = {move.skill for move in every if move.source in near and move.targets[0] in onward - near}
     into = {move.skill for move in every if move.targets[0] in towards and move.source in upto - towards}
     return tuple(sorted(out if len(out) <= len(into) else into))
 
 
-def _reversed(moves: Iterable[Move[Cell]]) -> list[Move[Cell]]:
+def _reversed(moves: Iterable[Move[S]]) -> list[Move[S]]:
     return [Move(move.targets[0], move.skill, (move.source,)) for move in moves]
 
 
-def _reached(moves: Iterable[Move[Cell]], start: Cell) -> set[Cell]:
-    after: dict[Cell, list[Cell]] = {}
+def _reached(moves: Iterable[Move[S]], start: Iterable[S]) -> set[S]:
+    after: dict[S, list[S]] = {}
     for move in moves:
         after.setdefault(move.source, []).append(move.targets[0])
-    seen, stack = {start}, [start]
+    seen = set(start)
+    stack = list(seen)
     while stack:
-        for cell in after.get(stack.pop(), ()):
-            if cell not in seen:
-                seen.add(cell)
-                stack.append(cell)
+        for place in after.get(stack.pop(), ()):
+            if place not in seen:
+                seen.add(place)
+                stack.append(place)
     return seen

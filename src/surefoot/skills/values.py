@@ -34,25 +34,41 @@ class Direction(StrEnum):
         return cell[0] + rows, cell[1] + columns
 
 
+class Turn(StrEnum):
+    """A turn in place by 90 degrees; it leaves the robot in its cell."""
+
+    LEFT = "turn-left"
+    RIGHT = "turn-right"
+
+    @property
+    def quarter_turns(self) -> int:
+        """The change of heading, counter-clockwise."""
+        return 1 if self is Turn.LEFT else -1
+
+
+Way = Direction | Turn
+"""Where a skill takes the robot: to a neighbour (translational), or round (rotational)."""
+
 _OFFSETS = {
     Direction.FORWARD: (-1, 0),
     Direction.BACKWARD: (1, 0),
     Direction.LEFT: (0, -1),
     Direction.RIGHT: (0, 1),
 }
+_WAYS: dict[str, Way] = {way.value: way for way in (*Direction, *Turn)}
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Primitive:
-    """A move between two classes of terrain, wherever they stand side by side.
+    """A move between two classes of terrain, wherever they stand side by side; or a turn on one class.
 
     Attributes:
-        direction: where the robot goes.
+        direction: where the robot goes, or which way it turns.
         here: class of the cell that it leaves.
-        next: class of the cell that it enters.
+        next: class of the cell that it enters; of a turn, what the same cell is called after it.
     """
 
-    direction: Direction
+    direction: Way
     here: str
     next: str
 
@@ -70,9 +86,10 @@ class Primitive:
         """
         direction, _, classes = name.partition(" ")
         here, arrow, target = classes.partition("->")
-        if direction not in list(Direction) or not (here and arrow and target):
+        way = _WAYS.get(direction)
+        if way is None or not (here and arrow and target):
             raise InputError(f"{name!r} is no primitive; one reads `forward flat->gap`")
-        return cls(Direction(direction), here, target)
+        return cls(way, here, target)
 
 
 @dataclass(frozen=True, slots=True, order=True)

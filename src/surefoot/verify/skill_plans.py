@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,13 +16,18 @@ from surefoot.verify.values import Fields
 WAYS = {"forward": (-1, 0), "backward": (1, 0), "left": (0, -1), "right": (0, 1)}
 """The change of (row, column) of a move; row 0 is ahead, column 0 to the left."""
 
+TURNS = {"turn-left": 1, "turn-right": -1}
+"""The change of heading of a turn in place, in quarter turns counter-clockwise."""
+
+_TURN_RAD = 1e-6
+
 
 def certificate_problem(check: Fields, way: str, cell_m: float, known: dict[str, Motion]) -> str:
     """Return what is wrong with the plan of a feasible check; empty if nothing is.
 
     Args:
         check: the check.
-        way: the direction of its primitive.
+        way: the direction or the turn of its primitive.
         cell_m: side of a cell [m].
         known: plans that were checked before, by hash; grows.
     """
@@ -39,6 +45,8 @@ def certificate_problem(check: Fields, way: str, cell_m: float, known: dict[str,
         known[sha256] = Motion.of(path)
     if known[sha256].problem:
         return known[sha256].problem
+    if way in TURNS:
+        return known[sha256].not_one_turn(way, cell_m / 2)
     return known[sha256].not_one_cell(way, cell_m / 2)
 
 
@@ -50,11 +58,13 @@ class Motion:
         problem: why it certifies nothing; empty if it does.
         ahead_m: how far it goes forward.
         left_m: how far it goes to the left.
+        turned_rad: how far it turns, counter-clockwise.
     """
 
     problem: str
     ahead_m: float = 0.0
     left_m: float = 0.0
+    turned_rad: float = 0.0
 
     @classmethod
     def of(cls, path: Path) -> Motion:
@@ -64,19 +74,34 @@ class Motion:
             check_footholds(path, own)
             values = Fields.of(parse_json(read_bytes(path), path), path).mapping("values")
             start, goal = (values.mapping(end).numbers("position_m", 3) for end in ("start", "goal"))
+            before, after = (values.mapping(end).numbers("rpy_rad", 3) for end in ("start", "goal"))
         except InputError as problem:
             return cls(f"has a plan that cannot be read: {problem.key or path.name} {problem.message}")
         if own.total or own.counts.get("verdict") != "feasible":
             return cls(f"has a plan that is refused: {own.kept[0] if own.kept else 'it claims no motion'}")
-        return cls("", goal[0] - start[0], goal[1] - start[1])
+        if max(map(abs, (*before, *after[:2]))) > _TURN_RAD:
+            return cls("has a plan that does not begin level and along x, and end level")
+        return cls("", goal[0] - start[0], goal[1] - start[1], after[2])
 
     def not_one_cell(self, way: str, half_m: float) -> str:
         """Return that the motion does not lead to the next cell in a direction; empty if it does."""
         down, right = WAYS[way]
         along_m = -down * self.ahead_m - right * self.left_m
         across_m = down * self.left_m - right * self.ahead_m
+        if abs(self.turned_rad) > _TURN_RAD:
+            return f"has a plan that turns by {math.degrees(self.turned_rad):.0f} degrees on its way {way}"
         if half_m < along_m < 3 * half_m and abs(across_m) < half_m:
             return ""
         return (
             f"has a plan that goes {self.ahead_m:.2f} m ahead and {self.left_m:.2f} m to the left, not one cell {way}"
+        )
+
+    def not_one_turn(self, way: str, half_m: float) -> str:
+        """Return that the motion is no quarter turn on the spot; empty if it is."""
+        stays = abs(self.ahead_m) < half_m and abs(self.left_m) < half_m
+        if stays and abs(self.turned_rad - TURNS[way] * math.pi / 2) <= _TURN_RAD:
+            return ""
+        return (
+            f"has a plan that turns by {math.degrees(self.turned_rad):.0f} degrees, {self.ahead_m:.2f} m ahead and "
+            f"{self.left_m:.2f} m to the left, and is no {way} in place"
         )

@@ -14,14 +14,23 @@ from pathlib import Path
 from surefoot.compute import sha256_of
 from surefoot.verify.artefacts import check_kind, parse_json, read_bytes
 from surefoot.verify.findings import Ledger
-from surefoot.verify.skill_plans import WAYS, Motion, certificate_problem
+from surefoot.verify.skill_moves import (
+    FACING,
+    OBSTACLE,
+    Cell,
+    Headings,
+    Labels,
+    Place,
+    Primitive,
+    inside,
+    label_at,
+    led,
+    moves,
+    primitive_at,
+)
+from surefoot.verify.skill_plans import TURNS, WAYS, Motion, certificate_problem
 from surefoot.verify.values import Fields
 
-Cell = tuple[int, int]
-Labels = tuple[tuple[str, ...], ...]
-Primitive = tuple[str, str, str]
-
-OBSTACLE = "obstacle"
 _VERDICTS = ("feasible", "infeasible", "unknown")
 _OUTCOMES = ("realizable", "repaired", "unrepairable", "undecided")
 _CAUSES = ("obstacle", "disallowed", "physics", "limit")
@@ -37,9 +46,10 @@ def check_library(path: Path, ledger: Ledger) -> None:
     check_kind(fields, "skill-library")
     _check_terrain_file(fields.mapping("terrain"), path.parent)
     classes = tuple(_text(name, fields, "classes") for name in fields.items("classes"))
-    verdicts = _check_physics(fields, classes, ledger)
+    headings = Headings.of(fields, classes)
+    verdicts = _check_physics(fields, classes, headings, ledger)
     states = [_labels(value, fields, classes) for value in fields.items("states")]
-    pairs = [_Pair.of(pair, states) for pair in fields.mappings("pairs")]
+    pairs = [_Pair.of(pair, states, headings) for pair in fields.mappings("pairs")]
     _check_complete(pairs, states, fields.mapping("terrain"), ledger)
     for pair in pairs:
         pair.check(verdicts, ledger)
@@ -58,7 +68,9 @@ def _check_terrain_file(terrain: Fields, folder: Path) -> None:
         raise terrain.wrong("sha256", f"does not fit {file.name}: the library was made from another version of it")
 
 
-def _check_physics(fields: Fields, classes: Collection[str], ledger: Ledger) -> dict[Primitive, str]:
+def _check_physics(
+    fields: Fields, classes: Collection[str], headings: Headings | None, ledger: Ledger
+) -> dict[Primitive, str]:
     """Check every certificate, and return the verdict of every primitive; a skill without one is not feasible."""
     verdicts: dict[Primitive, str] = {}
     certified = 0
@@ -66,7 +78,7 @@ def _check_physics(fields: Fields, classes: Collection[str], ledger: Ledger) -> 
     cell_m = fields.mapping("made_with").number("cell_m", least=1e-3)
     for check in fields.mappings("checks"):
         name = check.text("primitive")
-        primitive = _primitive(name, classes)
+        primitive = _primitive(name, classes, headings)
         if primitive is None or primitive in verdicts:
             ledger.refuse("skills, primitive", f"{name} is no primitive of these classes, or stands twice", check.place)
             continue
@@ -89,63 +101,62 @@ class _Pair:
     labels: Labels
     request: Cell
     outcome: str
-    strategy: Mapping[Cell, str | None]
+    strategy: Mapping[Place, str | None]
+    headings: Headings | None
     why: Fields | None
     place: str
 
     @classmethod
-    def of(cls, fields: Fields, states: list[Labels]) -> _Pair:
+    def of(cls, fields: Fields, states: list[Labels], headings: Headings | None) -> _Pair:
         labels = states[fields.whole("state", least=0, most=len(states) - 1)]
         request = fields.cell("request")
-        if not _inside(labels, request):
+        if not inside(labels, request):
             raise fields.wrong("request", "is outside of the grid")
-        strategy: dict[Cell, str | None] = {}
-        for row in fields.items("strategy"):
-            if not isinstance(row, list) or len(row) != 3 or (row[2] is not None and row[2] not in WAYS):
-                raise fields.wrong("strategy", f"has to be a list of [row, column, one of {', '.join(WAYS)} or null]")
-            strategy[row[0], row[1]] = row[2]
+        strategy = dict(_strategy_row(row, fields, headings) for row in fields.items("strategy"))
         why = None if fields.get("why") is None else fields.mapping("why")
-        return cls(labels, request, fields.text("outcome", among=_OUTCOMES), strategy, why, fields.place)
+        return cls(labels, request, fields.text("outcome", among=_OUTCOMES), strategy, headings, why, fields.place)
 
     @property
-    def centre(self) -> Cell:
-        return len(self.labels) // 2, len(self.labels[0]) // 2
+    def start(self) -> Place:
+        return len(self.labels) // 2, len(self.labels[0]) // 2, 0
 
     def check(self, verdicts: Mapping[Primitive, str], ledger: Ledger) -> None:
         """Check the strategy from every cell that it has, and that there is none where none is claimed."""
-        if self.labels[self.centre[0]][self.centre[1]] == OBSTACLE:
+        if label_at(self.labels, self.start) == OBSTACLE:
             ledger.refuse("skills, state", "the robot stands in an obstacle", self.place)
         problem = self._strategy_problem(verdicts)
         if problem:
             ledger.refuse("skills, strategy", problem, self.place)
         handled = self.outcome in ("realizable", "repaired")
-        if handled and self.centre not in self.strategy:
-            ledger.refuse("skills, strategy", f"has no move in {self.centre}, where the robot begins", self.place)
+        if handled and self.start not in self.strategy:
+            begin = self.named(self.start)
+            ledger.refuse("skills, strategy", f"has no move in {begin}, where the robot begins", self.place)
         if not handled:
             self._check_refusal(verdicts, ledger)
 
     def _strategy_problem(self, verdicts: Mapping[Primitive, str]) -> str:
-        moves = dict(_moves(self.labels))
-        after: dict[Cell, Cell] = {}
-        for cell, way in self.strategy.items():
-            if not _inside(self.labels, cell) or self.labels[cell[0]][cell[1]] == OBSTACLE:
-                return f"has a move in {cell}, which is outside of the grid or an obstacle"
+        after: dict[Place, Place] = {}
+        for place, way in self.strategy.items():
+            if label_at(self.labels, place) == OBSTACLE:
+                return f"has a move in {self.named(place)}, which is outside of the grid or an obstacle"
             if way is None:
-                after[cell] = cell
+                after[place] = place
                 continue
-            target = cell[0] + WAYS[way][0], cell[1] + WAYS[way][1]
-            primitive = moves.get((cell, target))
+            primitive = primitive_at(self.labels, place, way, self.headings)
             if primitive is None:
-                return f"goes {way} from {cell}, out of the grid or into an obstacle"
+                return f"goes {way} from {self.named(place)}, out of the grid, into an obstacle, or not as it may"
             if verdicts.get(primitive) != "feasible":
-                return f"goes {way} from {cell}, and {' '.join(primitive)} is no certified skill"
-            after[cell] = target
-        for cell in self.strategy:
+                return f"goes {way} from {self.named(place)}, and {' '.join(primitive)} is no certified skill"
+            after[place] = led(place, way)
+        for place in self.strategy:
             for _ in self.strategy:
-                cell = after.get(cell, cell)
-            if cell != self.request or after.get(cell) != cell:
+                place = after.get(place, place)
+            if place[:2] != self.request or after.get(place) != place:
                 return f"does not come to {self.request} and stay there from every cell that it has"
         return ""
+
+    def named(self, place: Place) -> str:
+        return f"{place[:2]}" if self.headings is None else f"{place[:2]} facing {FACING[place[2]]}"
 
     def _check_refusal(self, verdicts: Mapping[Primitive, str], ledger: Ledger) -> None:
         """Search among all moves that were not refused; then among those that the reason leaves."""
@@ -165,17 +176,18 @@ class _Pair:
             ledger.refuse("skills, unrepairable", f"is {self.outcome}, although the cause is {cause}", self.place)
 
     def _reachable(self, without: Collection[Primitive | None]) -> bool:
-        after: dict[Cell, list[Cell]] = {}
-        for (cell, target), primitive in _moves(self.labels):
+        after: dict[Place, list[Place]] = {}
+        for place, target, primitive in moves(self.labels, self.headings):
             if primitive not in without:
-                after.setdefault(cell, []).append(target)
-        seen, stack = {self.centre}, [self.centre]
+                after.setdefault(place, []).append(target)
+        seen, stack = {self.start}, [self.start]
         while stack:
             for target in after.get(stack.pop(), ()):
                 if target not in seen:
                     seen.add(target)
                     stack.append(target)
-        return self.request in seen and self.labels[self.request[0]][self.request[1]] != OBSTACLE
+        reached = any(place[:2] == self.request for place in seen)
+        return reached and self.labels[self.request[0]][self.request[1]] != OBSTACLE
 
 
 def _check_complete(pairs: list[_Pair], states: list[Labels], terrain: Fields, ledger: Ledger) -> None:
@@ -193,7 +205,7 @@ def _requests(labels: Labels, asked: tuple[Cell, ...] | None) -> Iterator[Cell]:
     last_row, last_column = len(labels) - 1, len(labels[0]) - 1
     front = [(0, column) for column in range(last_column + 1)]
     cells = dict.fromkeys([*front, (last_row, 0), (last_row, last_column)] if asked is None else asked)
-    yield from (cell for cell in cells if _inside(labels, cell) and labels[cell[0]][cell[1]] != OBSTACLE)
+    yield from (cell for cell in cells if inside(labels, cell) and labels[cell[0]][cell[1]] != OBSTACLE)
 
 
 def _check_counts(answer: Fields, pairs: list[_Pair], verdicts: Mapping[Primitive, str], ledger: Ledger) -> None:
@@ -205,24 +217,28 @@ def _check_counts(answer: Fields, pairs: list[_Pair], verdicts: Mapping[Primitiv
             ledger.refuse("skills, counts", f"{count} were counted, not {answer.whole(name)}", f"answer.{name}")
 
 
-def _moves(labels: Labels) -> Iterator[tuple[tuple[Cell, Cell], Primitive]]:
-    for row, across in enumerate(labels):
-        for column, here in enumerate(across):
-            for way, (down, right) in WAYS.items():
-                target = (row + down, column + right)
-                if _inside(labels, target) and OBSTACLE not in (here, labels[target[0]][target[1]]):
-                    yield ((row, column), target), (way, here, labels[target[0]][target[1]])
+def _strategy_row(row: object, fields: Fields, headings: Headings | None) -> tuple[Place, str | None]:
+    """Return a place and where the strategy goes from it."""
+    ways = tuple(WAYS) if headings is None else (*WAYS, *TURNS)
+    numbers = 2 if headings is None else 3
+    place = "row, column" if headings is None else "row, column, heading from 0 to 3"
+    wrong = fields.wrong("strategy", f"has to be a list of [{place}, one of {', '.join(ways)} or null]")
+    if not isinstance(row, list) or len(row) != numbers + 1 or row[-1] not in (*ways, None):
+        raise wrong
+    heading = 0 if headings is None else row[2]
+    if not all(type(one) is int for one in row[:numbers]) or heading not in range(4):
+        raise wrong
+    return (row[0], row[1], heading), row[-1]
 
 
-def _inside(labels: Labels, cell: Cell) -> bool:
-    return cell[0] in range(len(labels)) and cell[1] in range(len(labels[0]))
-
-
-def _primitive(name: str, classes: Collection[str] | None = None) -> Primitive | None:
+def _primitive(name: str, classes: Collection[str] | None = None, headings: Headings | None = None) -> Primitive | None:
+    """Return the parts of a name; a turn leads to what the same class is called after it."""
     way, _, rest = name.partition(" ")
     here, _, there = rest.partition("->")
-    known = classes is None or (here in classes and there in classes)
-    return (way, here, there) if way in WAYS and here and there and known else None
+    if classes is not None and not (here in classes and there in classes):
+        return None
+    turns = way in TURNS and (classes is None or (headings is not None and headings.turned[here] == there))
+    return (way, here, there) if (way in WAYS or turns) and here and there else None
 
 
 def _labels(value: object, fields: Fields, classes: Collection[str]) -> Labels:

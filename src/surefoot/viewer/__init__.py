@@ -1,12 +1,25 @@
-"""Pictures of scenarios, plans and runs, good enough for a paper."""
+"""Pictures of scenarios, plans and runs, good enough for a paper, and pages that show them in motion."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from surefoot.errors import InputError
 
-__all__ = ["view_folder", "view_plan", "view_run", "view_scenario"]
+if TYPE_CHECKING:
+    from surefoot.viewer.answers import Asked
+
+__all__ = [
+    "view_answers",
+    "view_bag",
+    "view_folder",
+    "view_page",
+    "view_plan",
+    "view_run",
+    "view_scenario",
+    "view_step",
+]
 
 
 def view_run(run_dir: Path, out: Path | None = None) -> tuple[Path, ...]:
@@ -27,6 +40,19 @@ def view_run(run_dir: Path, out: Path | None = None) -> tuple[Path, ...]:
     return draw_run(run_dir, run_dir if out is None else out)
 
 
+def view_step(run_dir: Path, step: int, out: Path | None = None) -> tuple[Path, ...]:
+    """Draw one step of a run: its phase plane, with a push if there was one, and the action strategy around it.
+
+    Args:
+        run_dir: the folder of the run.
+        step: number of the step, counted from 0.
+        out: the folder for the picture; None means the run's folder.
+    """
+    from surefoot.viewer.pushed_steps import draw_step
+
+    return draw_step(run_dir, step, run_dir if out is None else out)
+
+
 def view_plan(plan_dir: Path, out: Path | None = None) -> tuple[Path, ...]:
     """Draw a plan: its grid, start, goals, where obstacles may be, belief regions, stairs.
 
@@ -37,6 +63,19 @@ def view_plan(plan_dir: Path, out: Path | None = None) -> tuple[Path, ...]:
     from surefoot.viewer.plans import draw_plan
 
     return draw_plan(plan_dir, plan_dir if out is None else out)
+
+
+def view_answers(plan_dir: Path, asked: Asked, out: Path | None = None) -> tuple[Path, ...]:
+    """Draw what a plan's strategy does in one robot state, a small map for everything it may know of the obstacles.
+
+    Args:
+        plan_dir: the folder of the plan.
+        asked: the robot state.
+        out: the folder for the picture; None means the current folder.
+    """
+    from surefoot.viewer.answers import draw_answers
+
+    return draw_answers(plan_dir, asked, Path() if out is None else out)
 
 
 def view_scenario(scenario: Path, out: Path | None = None) -> tuple[Path, ...]:
@@ -51,17 +90,74 @@ def view_scenario(scenario: Path, out: Path | None = None) -> tuple[Path, ...]:
     return draw_scenario(scenario, scenario.parent if out is None else out)
 
 
+def view_page(path: Path, out: Path) -> Path:
+    """Write a run, a foothold plan or a strategy as one page that opens from a file, without a network.
+
+    Args:
+        path: the folder of the run or of the plan, or the file of the foothold plan.
+        out: the HTML file.
+
+    Returns:
+        The HTML file.
+
+    Raises:
+        InputError: if it cannot be read, or holds nothing that moves.
+        BackendMissing: if viser is not installed.
+    """
+    from surefoot.viewer.replay import write_motion
+
+    return write_motion(path, out)
+
+
+def view_bag(path: Path, out: Path) -> Path:
+    """Write a run or a foothold plan as an MCAP file of ROS 2 messages.
+
+    Args:
+        path: the folder of the run, or the file of the foothold plan.
+        out: the MCAP file.
+
+    Returns:
+        The MCAP file.
+
+    Raises:
+        InputError: if it cannot be read, or holds nothing that moves.
+        BackendMissing: if the packages that write it are not installed.
+    """
+    from surefoot.viewer.quadruped_run import is_quadruped_run
+
+    if (path.is_file() and path.suffix.lower() == ".json") or is_quadruped_run(path):
+        from surefoot.viewer.foothold_bag import write_foothold_bag
+
+        return write_foothold_bag(path, out)
+    from surefoot.viewer.run_bag import write_run_bag
+
+    return write_run_bag(path, out)
+
+
 def view_folder(path: Path, out: Path | None = None) -> tuple[Path, ...]:
-    """Draw whatever stands at a path: the folder of a run or of a plan, or a scenario file."""
+    """Draw whatever stands at a path: a run, a plan, a scenario, a foothold plan, the regions of a step, a library.
+
+    Args:
+        path: the folder or the file.
+        out: the folder for the pictures; None means beside what is drawn.
+    """
     if path.is_dir() and (path / "run.jsonl").is_file():
         return view_run(path, out)
     if path.is_dir() and (path / "plan.json").is_file():
         return view_plan(path, out)
+    if path.is_dir() and (path / "library.json").is_file():
+        from surefoot.viewer.single import draw_library
+
+        return draw_library(path, path if out is None else out)
+    if path.is_file() and path.suffix.lower() == ".json":
+        from surefoot.viewer.single import draw_json
+
+        return draw_json(path, path.parent if out is None else out)
     if path.is_file() and path.suffix.lower() in {".yaml", ".yml"}:
         return view_scenario(path, out)
-    what = "is neither" if path.exists() else "does not exist; allowed are"
+    what = "is none of these" if path.exists() else "does not exist; allowed are"
     raise InputError(
-        f"{what} the folder of a run (with run.jsonl), the folder of a plan (with plan.json)"
-        f"{' nor' if path.exists() else ' and'} a scenario (.yaml)",
+        f"{what}: the folder of a run (run.jsonl), of a plan (plan.json) or of skills (library.json), "
+        "a scenario (.yaml), a foothold plan or regions (.json)",
         source=path,
     )

@@ -62,7 +62,7 @@ def _longest_hidden(turns: Sequence[Turn]) -> tuple[int, int]:
     """Return the longest stretch of turns, first and one past the last, in which something was hidden."""
     best, begin = (0, 0), 0
     for number, turn in enumerate(turns):
-        if not turn.hidden:
+        if not any(turn.hidden):
             begin = number + 1
         elif number + 1 - begin > best[1] - best[0]:
             best = begin, number + 1
@@ -75,7 +75,8 @@ def _draw_turn(axes: Axes, source: RunSource, number: int, sees: NDArray[np.bool
     post = source.plan.scenario.navigation.view == "post" or number == 0
     view = Cell(*(turn if post else turns[number - 1]).cell)
     seen = sees[grid.index(view)].reshape(grid.free.shape)
-    hidden = {Cell(*cell) for cell in turn.hidden}
+    hidden = {Cell(*cell) for kind in turn.hidden for cell in kind}
+    in_view = {cell for kind in turn.visible for cell in kind}
     unseen = [Cell(int(r), int(c)) for r, c in np.argwhere(grid.free & ~seen) if Cell(int(r), int(c)) not in hidden]
     blocked = [Cell(int(r), int(c)) for r, c in np.argwhere(~grid.free)]
     fill_cells(axes, grid, blocked, facecolor=style.WALL, edgecolor="none", zorder=1)
@@ -85,7 +86,7 @@ def _draw_turn(axes: Axes, source: RunSource, number: int, sees: NDArray[np.bool
     goals = [(cell.column + 0.76, cell.row + 0.28) for cell in source.plan.cells("goals")]
     mark_goals(axes, [(x, y) for x, y in points_m(grid, np.array(goals, np.float64).reshape(-1, 2))], size=10)
     for cell in turn.obstacles:
-        mark_obstacle(axes, grid.center_m(Cell(*cell)), size=9, seen=cell in turn.visible)
+        mark_obstacle(axes, grid.center_m(Cell(*cell)), size=9, seen=cell in in_view)
     yaw_rad = Direction[turn.heading.upper()].yaw_rad + grid.rotation_rad
     mark_robot(axes, grid.center_m(Cell(*turn.cell)), yaw_rad, colour=style.BLUE, size=15)
     axes.set_title(f"turn {turn.turn}, {turn.time_s:.0f} s: {turn.order}", fontsize=9)

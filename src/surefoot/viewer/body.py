@@ -1,4 +1,4 @@
-"""A simple body around a CoM and two feet: a trunk, and legs of two links."""
+"""Simple bodies around feet: a trunk, and legs of two links."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def biped_parts(com_m: Array, yaw_rad: Array, left_m: Array, right_m: Array) -> 
     link_m = 0.505 * max(float(np.linalg.norm(hip - ankle, axis=1).max()) for hip, ankle in ends.values())
     ahead = np.stack([np.cos(yaw_rad), np.sin(yaw_rad), np.zeros(len(yaw_rad))], axis=1)
     for name, (hip, ankle) in ends.items():
-        knee = _knee(hip, ankle, ahead, link_m)
-        parts[f"{name}/thigh"] = _between(hip, knee)
-        parts[f"{name}/shank"] = _between(knee, ankle)
+        knee = knee_m(hip, ankle, ahead, link_m)
+        parts[f"{name}/thigh"] = between(hip, knee)
+        parts[f"{name}/shank"] = between(knee, ankle)
         parts[f"{name}/foot"] = Pose(legs[name][0], upright)
     return parts, link_m
 
@@ -48,8 +48,8 @@ def _leg_ends(com_m: Array, yaw_rad: Array, foot_m: Array, side: float) -> tuple
     return hip, foot_m + np.array([0.0, 0.0, _ANKLE_M])
 
 
-def _knee(hip: Array, ankle: Array, ahead: Array, link_m: float) -> Array:
-    """Return where two links of the same length meet, bent ahead."""
+def knee_m(hip: Array, ankle: Array, ahead: Array, link_m: float) -> Array:
+    """Return where two links of the same length meet, bent in a direction, all of shape (n, 3)."""
     down = ankle - hip
     length = np.linalg.norm(down, axis=1, keepdims=True)
     along = down / length
@@ -60,7 +60,7 @@ def _knee(hip: Array, ankle: Array, ahead: Array, link_m: float) -> Array:
     return knee
 
 
-def _between(begin: Array, end: Array) -> Pose:
+def between(begin: Array, end: Array) -> Pose:
     """Return the pose of a link from one point to another: the shortest turn of the z axis onto it."""
     along = (end - begin) / np.linalg.norm(end - begin, axis=1, keepdims=True)
     w = 1.0 + along[:, 2]
@@ -74,7 +74,53 @@ def _about_z(yaw_rad: Array) -> Array:
     return np.stack([np.cos(half), np.zeros(len(half)), np.zeros(len(half)), np.sin(half)], axis=1)
 
 
+def quadruped_parts(base_m: Array, rpy_rad: Array, feet_m: Array, hips_m: Array) -> tuple[dict[str, Pose], float]:
+    """Return the poses of trunk, feet and links of a quadruped, and the length of a link; knees bend back.
+
+    Args:
+        base_m: shape (n, 3).
+        rpy_rad: roll, pitch and yaw, shape (n, 3).
+        feet_m: shape (n, 4, 3).
+        hips_m: the upper ends of the legs in the frame of the base, shape (4, 3).
+    """
+    wxyz, axes = quaternions(rpy_rad), _rotations(rpy_rad)
+    hips = base_m[:, None] + np.einsum("nij,kj->nki", axes, hips_m)
+    link_m = 0.505 * float(np.linalg.norm(hips - feet_m, axis=2).max())
+    parts = {"trunk": Pose(base_m, wxyz)}
+    for leg in range(4):
+        hip, foot = hips[:, leg], feet_m[:, leg]
+        knee = knee_m(hip, foot, -axes[:, :, 0], link_m)
+        parts[f"{leg}/thigh"], parts[f"{leg}/shank"] = between(hip, knee), between(knee, foot)
+        parts[f"{leg}/foot"] = Pose(foot, wxyz)
+    return parts, link_m
+
+
+def _rotations(rpy_rad: Array) -> Array:
+    """Return rotation matrices Rz(yaw) Ry(pitch) Rx(roll), shape (n, 3, 3)."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy_rad).T, np.sin(rpy_rad).T
+    rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def quaternions(rpy_rad: Array) -> Array:
+    """Return quaternions wxyz of roll, pitch and yaw, as ``_rotations``, shape (n, 4)."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy_rad / 2).T, np.sin(rpy_rad / 2).T
+    return np.stack(
+        [
+            cr * cp * cy + sr * sp * sy,
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+        ],
+        axis=1,
+    )
+
+
 def weight_pose(foot_m: Array, com_m: Array, length_m: float) -> Pose:
     """Return the pose of a link of a given length that points from a foot to the CoM: the line of the contact force."""
     along = (com_m - foot_m) / np.linalg.norm(com_m - foot_m, axis=1, keepdims=True)
-    return _between(foot_m, foot_m + length_m * along)
+    return between(foot_m, foot_m + length_m * along)

@@ -115,7 +115,7 @@ def animate_plan(plan: Path, output: Path) -> int:
     Raises:
         InputError: the file is no foothold plan, or holds no motion.
     """
-    document = _read(plan)
+    document = read_foothold_plan(plan)
     motion = document["motion"]
     step_s = float(document["values"]["step_s"])
     stride = max(1, round(1 / (_FRAMES_PER_SECOND * step_s)))
@@ -159,7 +159,12 @@ def _snapshot(above: Axes, side: Axes, base: Any, feet: Any, forces: Any) -> Non
     side.plot(base[0], base[2], "s", color=style.BLACK, ms=9, zorder=7)
 
 
-def _read(plan: Path) -> dict[str, Any]:
+def read_foothold_plan(plan: Path) -> dict[str, Any]:
+    """Return the object of a plan file that holds a motion.
+
+    Raises:
+        InputError: the file is no foothold plan, or holds no motion.
+    """
     try:
         if plan.stat().st_size > _LARGEST_BYTES:
             raise InputError(f"is larger than {_LARGEST_BYTES} bytes", source=plan)

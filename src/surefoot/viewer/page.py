@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import socket
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout
 from importlib.resources import files
 from io import StringIO
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     import viser
 
 HOST = "127.0.0.1"
+Cameras = Mapping[str, Mapping[str, Any]]
 
 
 @contextmanager
@@ -43,22 +45,26 @@ def server(port: int | None = None) -> Iterator[viser.ViserServer]:
             running.stop()
 
 
-def write_page(path: Path, serializer: Any, cameras: Mapping[str, Mapping[str, Any]]) -> None:
+def write_page(path: Path, serializer: Any, cameras: Cameras, captions: Sequence[tuple[float, str]]) -> None:
     """Write a recorded scene as one file that opens without a network, whole or not at all.
 
     Args:
         path: of the HTML file.
         serializer: what viser recorded.
         cameras: a button for every name: ``position`` and ``look_at`` in the world, or ``follow``, a node's name.
+        captions: ascending moments of the recording [s], each with what is said from then on.
     """
-    import json
-
     page = serializer.as_html()
     own = files("surefoot.viewer").joinpath("page.html").read_text("utf-8")
-    panel = own.replace("/*CAMERAS*/", json.dumps(cameras))
+    panel = own.replace("/*CAMERAS*/", script(cameras)).replace("/*CAPTIONS*/", script(captions))
     end = page.rindex("</body>")
     with written_whole(path) as stream:
         stream.write((page[:end] + panel + page[end:]).encode())
+
+
+def script(value: object) -> str:
+    """Return a value as JavaScript that nothing in it can end."""
+    return json.dumps(value).replace("<", "\\u003c")
 
 
 def _viser() -> Any:

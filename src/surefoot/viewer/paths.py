@@ -136,12 +136,12 @@ def _draw_start(axes: Axes, source: RunSource) -> None:
 
 
 def _draw_unsafe(axes: Axes, run: Run) -> list[Any]:
-    """Draw where the robot stopped because no step was safe; return what the legend says about it."""
+    """Draw where the robot fell, or stopped because no step was safe; return what the legend says about it."""
     looks: dict[str, Any] = {"marker": "X", "ms": 11, "color": style.RIGHT, "mec": "white", "ls": ""}
-    if not run.unsafe or not run.steps:
+    if not (run.unsafe or run.falls) or not run.steps:
         return []
     axes.plot(*run.steps[-1].next_waypoint_m[:2], zorder=12, **looks)
-    return [Line2D([], [], label="stopped: no step was safe", **looks)]
+    return [Line2D([], [], label="fell after a push" if run.falls else "stopped: no step was safe", **looks)]
 
 
 def _draw_com(axes: Axes, steps: Iterable[Step]) -> None:

@@ -39,7 +39,7 @@ class Layout:
         occupancy: the map's pixels.
         grid: the coarse grid.
         start_m: where the robot stands at first.
-        forbidden: free cells that the first obstacle never enters.
+        forbidden: free cells that no obstacle ever enters.
         title: above the picture.
         whole: whether the whole grid is shown, or only what is near free cells.
     """
@@ -57,7 +57,8 @@ def draw_plan(plan_dir: Path, out: Path) -> tuple[Path, ...]:
     """Draw the grid that a plan was made on."""
     source = read_plan_source(plan_dir)
     start = source.cells("start", "cell")
-    domain = frozenset(source.cells("obstacles", 0, "domain"))
+    obstacles = range(len(source.scenario.obstacles))
+    domain = frozenset(cell for number in obstacles for cell in source.cells("obstacles", number, "domain"))
     layout = Layout(
         scenario=source.scenario,
         occupancy=source.occupancy,
@@ -74,15 +75,18 @@ def draw_scenario(scenario_path: Path, out: Path) -> tuple[Path, ...]:
     scenario = read_scenario(scenario_path)
     occupancy = read_occupancy_map(scenario.map_path, scenario.map_resolution_m)
     grid = _grid(scenario, occupancy)
-    barred = {
-        cell
-        for obstacle in scenario.obstacles[:1]
-        for area in obstacle.forbidden
-        for cell in grid.wholly_inside(area.rectangle_m)
-        if grid.is_free(cell)
-    }
+    barred = [
+        {cell for area in obstacle.forbidden for cell in grid.wholly_inside(area.rectangle_m) if grid.is_free(cell)}
+        for obstacle in scenario.obstacles
+    ]
     layout = Layout(
-        scenario, occupancy, grid, scenario.start.position_m, frozenset(barred), scenario_path.name, whole=True
+        scenario=scenario,
+        occupancy=occupancy,
+        grid=grid,
+        start_m=scenario.start.position_m,
+        forbidden=frozenset(set.intersection(*barred) if barred else ()),
+        title=scenario_path.name,
+        whole=True,
     )
     return (draw_layout(layout, out / f"{scenario_path.stem}.png"),)
 
@@ -159,5 +163,5 @@ def _legend(layout: Layout) -> list[Any]:
         handles.append(Line2D([], [], ls="", marker="o", ms=9, color=style.OBSTACLE, label="obstacle at the start"))
     if layout.forbidden:
         hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": style.OBSTACLE, "hatch": "xxx", "lw": 0}
-        handles.append(Patch(label="obstacle never here", **hatched))
+        handles.append(Patch(label="no obstacle ever here", **hatched))
     return handles

@@ -1,18 +1,39 @@
-"""``surefoot view run/ --html``: a run as one file that anyone can open."""
+"""``surefoot view --html``: a run, or a foothold plan, as one file that anyone can open."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from surefoot.errors import InputError
+from surefoot.viewer.foothold_motion import read_motion
+from surefoot.viewer.foothold_scene import FootholdScene
+from surefoot.viewer.quadruped_run import is_quadruped_run
+from surefoot.viewer.recording import write_recording
 from surefoot.viewer.run_scene import RunScene
-from surefoot.viewer.page import server, write_page
-from surefoot.viewer.sources import read_run_source
-from surefoot.viewer.timeline import timeline
+from surefoot.viewer.sources import RunSource, read_run_source
+from surefoot.viewer.strategy_page import write_strategy_page
+from surefoot.viewer.timeline import Timeline, curves_of, timeline
 
 RATE_HZ = 12.0
+
+
+def write_motion(path: Path, out: Path) -> Path:
+    """Write the page of whatever is at a path: a run, a foothold plan, or a plan with its strategy.
+
+    Args:
+        path: the folder or the file.
+        out: the HTML file.
+
+    Raises:
+        InputError: it cannot be read, or holds nothing that a page shows.
+        BackendMissing: viser is not installed.
+    """
+    if (path.is_file() and path.suffix.lower() == ".json") or is_quadruped_run(path):
+        motion = read_motion(path)
+        return write_recording(out, lambda scene: FootholdScene(scene, motion))
+    if (path / "plan.json").is_file() and not (path / "run.jsonl").is_file():
+        return write_strategy_page(path, out)
+    return write_replay(path, out)
 
 
 def write_replay(run_dir: Path, path: Path, rate_hz: float = RATE_HZ) -> Path:
@@ -27,17 +48,17 @@ def write_replay(run_dir: Path, path: Path, rate_hz: float = RATE_HZ) -> Path:
         InputError: the run cannot be read, or holds no step.
         BackendMissing: viser is not installed.
     """
+    source, times = read_timeline(run_dir, rate_hz)
+    return write_recording(path, lambda scene: RunScene(scene, source, times))
+
+
+def read_timeline(run_dir: Path, rate_hz: float = RATE_HZ) -> tuple[RunSource, Timeline]:
+    """Read a run and sample it.
+
+    Raises:
+        InputError: the run cannot be read, or holds no step.
+    """
     source = read_run_source(run_dir)
     if not source.run.steps:
         raise InputError("holds no step, so there is nothing to replay", source=run_dir / "run.jsonl")
-    times = timeline(source, rate_hz)
-    with server() as running:
-        scene = RunScene(running.scene, source, times)
-        scene.show(0)
-        serializer = running.get_scene_serializer()
-        pauses_s = np.diff(times.time_s, append=times.time_s[-1] + 1.0)
-        for frame in range(times.frames):
-            scene.show(frame)
-            serializer.insert_sleep(max(0.0, float(pauses_s[frame])))
-        write_page(path, serializer, scene.cameras())
-    return path
+    return source, timeline(source, curves_of(source.run.steps, rate_hz))

@@ -12,7 +12,14 @@ from surefoot.viewer.sources import read_run_source
 
 
 def draw_run(run_dir: Path, out: Path) -> tuple[Path, ...]:
-    """Draw everything that a run has to show; what it has none of (such as obstacles) is left out."""
+    """Draw everything that a run has to show; what it has none of (such as obstacles) is left out.
+
+    The run of a quadruped has pictures of its own.
+    """
+    from surefoot.viewer.quadruped_run import draw_quadruped_run, is_quadruped_run
+
+    if is_quadruped_run(run_dir):
+        return draw_quadruped_run(run_dir, out)
     source = read_run_source(run_dir)
     pictures = [draw_path(source, out / "map.png")]
     if source.run.turns:

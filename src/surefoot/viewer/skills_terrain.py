@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -164,7 +165,19 @@ def _draw_class(axes: Axes, classes: ClassSet, name: str) -> None:
     axes.set_title(f"{name}{height}", fontsize=8.5)
 
 
-def draw_physics(classes: ClassSet, results: Sequence[CheckResult], path: Path) -> Path:
+class NamedClasses(Protocol):
+    """Terrain classes, as far as tables of primitives need them."""
+
+    @property
+    def name(self) -> str:
+        """Return the name of the set."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Return the names of the classes, in their order."""
+
+
+def draw_physics(classes: NamedClasses, results: Sequence[CheckResult], path: Path) -> Path:
     """Draw which gait takes the robot from which class to which, one panel for each direction.
 
     Args:

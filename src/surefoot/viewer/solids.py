@@ -92,7 +92,8 @@ def _slice(up: Direction, begin: float, end: float) -> Array:
         Direction.NORTH: ((0.0, 1 - end), (1.0, 1 - begin)),
         Direction.SOUTH: ((0.0, begin), (1.0, end)),
     }[up]
-    return np.array(low) + _CORNERS * (np.array(high) - np.array(low))
+    corners: Array = np.array(low) + _CORNERS * (np.array(high) - np.array(low))
+    return corners
 
 
 def _rectangles(mask: NDArray[np.bool_]) -> list[tuple[tuple[int, int], tuple[int, int]]]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.frames import Cell
 from surefoot.missions.plan_document import read_plan_document
@@ -70,7 +71,21 @@ def read_plan_source(folder: Path) -> PlanSource:
         raise InputError(f"lacks {problem} or holds another type there; plan again", source=path) from problem
     scenario = read_scenario(scenario_path)
     occupancy = read_occupancy_map(scenario.map_path, scenario.map_resolution_m)
+    _check_fresh(path, document, scenario_path, occupancy)
     return PlanSource(folder, document, grid, scenario, occupancy)
+
+
+def _check_fresh(path: Path, document: Mapping[str, Any], scenario: Path, occupancy: OccupancyMap) -> None:
+    """Refuse a plan whose scenario or map was changed since it was made: what it says would be drawn on another map."""
+    recorded = document["map"]
+    for file, digest in (
+        (scenario, document["scenario"].get("sha256")),
+        (occupancy.path, recorded.get("sha256")),
+        (occupancy.image_path, recorded.get("image_sha256")),
+    ):
+        if sha256_of(file) != digest:
+            message = f"{file} was changed since this plan was made; plan and run again, or restore the file"
+            raise InputError(message, source=path)
 
 
 def read_run_source(folder: Path) -> RunSource:

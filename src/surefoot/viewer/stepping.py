@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.frames import Foot
-from surefoot.missions.run_log import Step
+from surefoot.missions.run_log import Step, StepPush
 from surefoot.viewer.motion import orbit
 from surefoot.walking import Trajectory, WalkingStep, sample_trajectory
 
@@ -29,18 +29,17 @@ def step_curves(step: Step, rate_hz: float) -> Trajectory:
     pushed, since the log leaves open how the foot in the air got where it landed.
     """
     curves = sample_trajectory(walking_step(step), rate_hz)
-    if getattr(step, "push", None) is None:
+    if step.push is None:
         return curves
     rise_s = step.rise_s or 0.0
     walking = (curves.time_s >= rise_s) & (curves.time_s <= rise_s + step.first_half_s + step.second_half_s)
     com = curves.com_m.copy()
-    com[walking, :2] = _pushed_com(step, curves.time_s[walking] - rise_s)
+    com[walking, :2] = _pushed_com(step, step.push, curves.time_s[walking] - rise_s)
     return replace(curves, com_m=com)
 
 
-def _pushed_com(step: Step, time_s: Array) -> Array:
+def _pushed_com(step: Step, push: StepPush, time_s: Array) -> Array:
     """Return the CoM at moments since the start apex: arcs about the feet, with the push between two of them."""
-    push = step.push
     before = list(push.omegas_before_switch)
     arcs = [(push.time_s if before else step.first_half_s, step.omega_radps, step.foot_m[:2])]
     arcs += [(*arc, step.foot_m[:2]) for arc in before]
@@ -52,7 +51,7 @@ def _pushed_com(step: Step, time_s: Array) -> Array:
     path, begin_s = np.tile(place, (len(time_s), 1)), 0.0
     for number, (duration_s, omega_radps, foot_m) in enumerate(arcs):
         if number == pushed_at:
-            speed = speed + _in_world(step.yaw_rad, push.jump_mps)
+            speed = speed + in_world(step.yaw_rad, push.jump_mps)
         for at in np.flatnonzero(time_s >= begin_s):
             path[at] = orbit(tuple(place), tuple(speed), foot_m, omega_radps, time_s[at] - begin_s, 2)[0][-1]
         ends, speeds = orbit(tuple(place), tuple(speed), foot_m, omega_radps, duration_s, 2)
@@ -60,7 +59,8 @@ def _pushed_com(step: Step, time_s: Array) -> Array:
     return path
 
 
-def _in_world(yaw_rad: float, ahead_left: tuple[float, float]) -> Array:
+def in_world(yaw_rad: float, ahead_left: tuple[float, float]) -> Array:
+    """Return a vector ahead and to the left of a heading in map coordinates, shape (2,)."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     ahead, left = ahead_left
     return np.array([c * ahead - s * left, s * ahead + c * left])

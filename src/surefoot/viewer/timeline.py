@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from surefoot.frames import Cell
 from surefoot.missions.run_log import Step, Turn
 from surefoot.viewer.ground import points_m
-from surefoot.viewer.sources import RunSource
+from surefoot.viewer.solids import floor_m, heights_of
+from surefoot.viewer.sources import PlanSource, RunSource
 from surefoot.viewer.stepping import step_curves
+from surefoot.walking import Trajectory
 
 Array = NDArray[np.float64]
 
@@ -28,7 +30,7 @@ class Timeline:
         step: index of the step among the run's steps, shape (n,).
         turns: the decisions, ascending in time.
         turn: index of the decision in force, shape (n,).
-        obstacles_m: where every obstacle is, shape (n, obstacles, 2): it glides from cell to cell during a turn.
+        obstacles_m: where every obstacle stands, shape (n, obstacles, 3): it glides from cell to cell during a turn.
     """
 
     time_s: Array
@@ -47,15 +49,19 @@ class Timeline:
         return len(self.time_s)
 
 
-def timeline(source: RunSource, rate_hz: float) -> Timeline:
-    """Sample a run.
+def curves_of(steps: Sequence[Step], rate_hz: float) -> tuple[Trajectory, ...]:
+    """Return the curves of every step, about so many samples a second."""
+    return tuple(step_curves(step, rate_hz) for step in steps)
+
+
+def timeline(source: RunSource, curves: Sequence[Trajectory]) -> Timeline:
+    """Put a run together; where the robot stands there are no samples.
 
     Args:
         source: the run, with at least one step.
-        rate_hz: about how many samples a second while the robot walks; where it stands there are none.
+        curves: of its steps, ``curves_of``.
     """
     steps, turns = source.run.steps, source.run.turns
-    curves = [step_curves(step, rate_hz) for step in steps]
     time_s = np.concatenate([_begin_s(step) + one.time_s for step, one in zip(steps, curves, strict=True)])
     counts = [len(one.time_s) for one in curves]
     starts_s = np.array([turn.time_s for turn in turns])
@@ -81,14 +87,15 @@ def _obstacles(source: RunSource, turns: Sequence[Turn], time_s: Array) -> Array
     """Return where the obstacles are: in a turn's cell when it begins, and on the way to the next one's."""
     count = len(turns[0].obstacles) if turns else 0
     if count == 0:
-        return np.zeros((len(time_s), 0, 2))
-    starts_s = np.array([turn.time_s for turn in turns])
-    cells = np.array([[centre_m(source, Cell(*cell)) for cell in turn.obstacles] for turn in turns])
-    axes = [np.interp(time_s, starts_s, cells[:, one, axis]) for one in range(count) for axis in range(2)]
-    return np.stack(axes, axis=1).reshape(len(time_s), count, 2)
+        return np.zeros((len(time_s), 0, 3))
+    starts_s, heights = np.array([turn.time_s for turn in turns]), heights_of(source.plan)
+    cells = [[Cell(*cell) for cell in turn.obstacles] for turn in turns]
+    places = np.array([[(*centre_m(source.plan, cell), floor_m(heights, cell)) for cell in turn] for turn in cells])
+    axes = [np.interp(time_s, starts_s, places[:, one, axis]) for one in range(count) for axis in range(3)]
+    return np.stack(axes, axis=1).reshape(len(time_s), count, 3)
 
 
-def centre_m(source: RunSource, cell: Cell) -> tuple[float, float]:
+def centre_m(plan: PlanSource, cell: Cell) -> tuple[float, float]:
     """Return the centre of a cell in the world."""
-    x, y = points_m(source.plan.grid, np.array([cell.column + 0.5, cell.row + 0.5]))
+    x, y = points_m(plan.grid, np.array([cell.column + 0.5, cell.row + 0.5]))
     return float(x), float(y)

@@ -1,0 +1,164 @@
+"""Regenerate the gallery: docs/gallery.md and its pictures in docs/images/gallery/.
+
+    python docs/make_gallery.py    # about five minutes
+
+Pages are photographed with Debian's chromium and playwright; without them the photographs stay as they are.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from PIL import Image
+
+DOCS = Path(__file__).parent
+SCENES = DOCS.parent / "scenes"
+PICTURES = DOCS / "images" / "gallery"
+WIDTH_PX, LARGEST_BYTES = 1100, 200_000
+STEPS = 500
+FLAGS = (
+    "--headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader "
+    "--disable-background-networking"
+)
+
+
+def keep(picture: Path, name: str) -> None:
+    """Take a picture into the gallery, small enough for a repository."""
+    with Image.open(picture) as image:
+        image.load()
+    small = image.convert("RGB")
+    for width, colours in ((WIDTH_PX, 256), (WIDTH_PX, 64), (800, 64), (600, 32)):
+        scaled = small.copy()
+        scaled.thumbnail((width, 3 * width), Image.Resampling.LANCZOS)
+        out = PICTURES / f"{name}.png"
+        scaled.quantize(colours, dither=Image.Dither.NONE).save(out, optimize=True)
+        if out.stat().st_size < LARGEST_BYTES:
+            return
+    raise SystemExit(f"{out} stays larger than {LARGEST_BYTES} bytes")
+
+
+def mission(work: Path) -> dict[str, object]:
+    """Walk the two rooms, and draw plan, run and strategy."""
+    from surefoot.frames import Cell
+    from surefoot.missions.biped import run_mission
+    from surefoot.missions.planning import plan_mission
+    from surefoot.viewer import view_answers, view_plan, view_run
+    from surefoot.viewer.answers import Asked
+
+    scene, plan, run = SCENES / "two_rooms_mission.yaml", work / "plan", work / "run"
+    plan_mission(scene, plan)
+    walked = run_mission(scene, plan, steps=STEPS, seed=0, obstacle="random", out=run)
+    for picture in (*view_plan(plan, work), *view_run(run, work)):
+        keep(picture, f"mission_{picture.stem}")
+    (answers,) = view_answers(plan, Asked(Cell(3, 4)), work)
+    keep(answers, "mission_answers")
+    return {"turns": walked.turns, "corrections": walked.waypoint_corrections, "goals": sum(walked.goals_reached)}
+
+
+def regions(work: Path) -> dict[str, object]:
+    """Synthesise the regions of a step, and draw them."""
+    from surefoot.reach import load_region
+    from surefoot.reach.winning_sets import KeyframeStep, initial_winning_set
+    from surefoot.viewer.omegas import draw_omegas
+    from surefoot.viewer.regions import draw_all
+
+    command("reach --step-length 0.52 --apex-velocity 0.45 0.7 --disturbance rate --save", work / "step")
+    region = load_region(work / "step.json")
+    single = work / "winning_set.png"  # one of the sets that winning_sets.png shows
+    for picture in {*draw_all(region, work), draw_omegas(region, work / "omegas.png")} - {single}:
+        keep(picture, f"region_{picture.stem}")
+    sets = [initial_winning_set(KeyframeStep(v, height_change_m=-0.2)).size for v in (0.5, 0.6, 0.7)]
+    return {"cells": region.counts, "sets": " / ".join(map(str, sets)), "ms": round(1e3 * region.time_s, 1)}
+
+
+def footholds(work: Path) -> dict[str, object]:
+    """Solve a foothold program, and draw it."""
+    from surefoot.footholds import read_problem, solve, write_plan
+    from surefoot.viewer import view_folder
+
+    problem = read_problem(SCENES / "footholds" / "stones.yaml")
+    solution = solve(problem)
+    write_plan(work / "stones.json", problem, solution)
+    keep(view_folder(work / "stones.json")[0], "footholds_stones")
+    return {"gap": f"{solution.gap:.1e}", "cpu": round(solution.solve_cpu_ms)}
+
+
+def baselines(work: Path) -> None:
+    """Measure and draw the baselines of the foothold programs."""
+    command("footholds baselines --seeds 2 --horizon 3 --time-limit 10 -o", work)
+    keep(work / "horizons.png", "baselines_horizons")
+    keep(work / "nearest.png", "baselines_nearest")
+
+
+def classes(work: Path) -> None:
+    """Draw terrain classes."""
+    from surefoot.skills.classes import class_set
+    from surefoot.viewer.skills_terrain import draw_classes
+
+    keep(draw_classes(class_set("unstructured-8"), work / "classes.png"), "skills_classes")
+
+
+def photographs(work: Path) -> None:
+    """Photograph the pages of the run, the foothold plan and the strategy."""
+    from surefoot.viewer import view_page
+
+    pages = {
+        "page_replay": (view_page(work / "run", work / "replay.html"), "overview", 41.0),
+        "page_replay_follow": (work / "replay.html", "follow", 60.0),
+        "page_footholds": (view_page(work / "stones.json", work / "footholds.html"), "overview", 0.8),
+        "page_strategy": (view_page(work / "plan", work / "strategy.html"), None, 0.0),
+    }
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        print("chromium is not installed: the photographs of pages stay as they are")
+        return
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS.split(), timeout=90_000)
+        page = browser.new_page(viewport={"width": 1000, "height": 640})
+        page.set_default_timeout(90_000)
+        for name, (file, camera, time_s) in pages.items():
+            page.goto(file.as_uri())
+            if camera is not None:
+                page.wait_for_function("window.__viserMutable?.nodePoseData?.['/robot/trunk'] !== undefined")
+                page.keyboard.press("Space")
+                page.get_by_role("button", name=camera, exact=True).click()
+                page.locator("#webgl-software-rendering button").click()
+                page.locator("input[inputmode=decimal]").fill(str(time_s))
+                page.locator("input[inputmode=decimal]").press("Enter")
+                page.wait_for_timeout(4000)
+            page.screenshot(path=work / f"{name}.png", timeout=90_000)
+            keep(work / f"{name}.png", name)
+        browser.close()
+
+
+def command(line: str, *paths: Path) -> None:
+    """Run a command of the command line."""
+    from surefoot.cli import main
+
+    if main([*line.split(), *map(str, paths)]) != 0:
+        raise SystemExit(f"surefoot {line} failed")
+
+
+def main() -> None:
+    """Make every picture, and the page."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    numbers: dict[str, dict[str, object]] = {}
+    steps: tuple[Callable[[Path], dict[str, object] | None], ...]
+    steps = (mission, regions, footholds, classes, photographs, baselines)
+    with tempfile.TemporaryDirectory() as folder:
+        for step in steps:
+            print(step.__name__, flush=True)
+            numbers[step.__name__] = step(Path(folder)) or {}
+    template = (DOCS / "gallery.md.in").read_text("utf-8")
+    (DOCS / "gallery.md").write_text(template.format(**numbers, steps=STEPS), "utf-8")
+
+
+if __name__ == "__main__":
+    main()

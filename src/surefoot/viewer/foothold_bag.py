@@ -1,0 +1,74 @@
+"""``surefoot view --mcap`` of a foothold plan or of a quadruped's run: ROS 2 messages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from surefoot.viewer import style
+from surefoot.viewer.body import quaternions
+from surefoot.viewer.foothold_motion import FootholdMotion, read_motion
+from surefoot.viewer.foothold_scene import FEET
+from surefoot.viewer.footholds import FOOT_COLOURS
+from surefoot.viewer.ros_messages import (
+    ARROW,
+    LINE_STRIP,
+    MARKERS,
+    Message,
+    Recording,
+    marker,
+    path_message,
+    recording,
+    transforms,
+)
+
+_M_PER_N = 1 / 300.0
+_ARROW_M = (0.012, 0.03, 0.05)
+
+
+def write_foothold_bag(source: Path, path: Path) -> Path:
+    """Write a quadruped's motion as an MCAP file, with the times of its samples.
+
+    Topics: ``/terrain``, ``/path`` (base), ``/forces``, ``/tf`` (base and feet).
+
+    Args:
+        source: a plan file with a motion, or the folder of a run.
+        path: of the MCAP file.
+
+    Raises:
+        InputError: there is no motion.
+        BackendMissing: the packages that write it are not installed.
+    """
+    motion = read_motion(source)
+    begin_s = float(motion.time_s[0])
+    with recording(path) as bag:
+        bag.add("/terrain", MARKERS, begin_s, {"markers": _terrain(motion, begin_s)})
+        bag.add("/path", "nav_msgs/msg/Path", begin_s, path_message(motion.time_s, motion.base_m))
+        _add_samples(bag, motion)
+    return path
+
+
+def _terrain(motion: FootholdMotion, time_s: float) -> list[Message]:
+    return [
+        marker(time_s, ("terrain", number), LINE_STRIP, style.WALL, (0.008, 0, 0), points_m=[*polygon, polygon[0]])
+        for number, polygon in enumerate(motion.polygons_m)
+    ]
+
+
+def _add_samples(bag: Recording, motion: FootholdMotion) -> None:
+    turned, upright = quaternions(motion.rpy_rad), np.array([1.0, 0.0, 0.0, 0.0])
+    for sample, now_s in enumerate(motion.time_s.tolist()):
+        feet_m, forces_n = motion.feet_m[sample], motion.forces_n[sample]
+        frames = {"base": (motion.base_m[sample], turned[sample])}
+        frames |= {name: (feet_m[foot], upright) for foot, name in enumerate(FEET)}
+        bag.add("/tf", "tf2_msgs/msg/TFMessage", now_s, transforms(now_s, frames))
+        arrows = [
+            [foot_m, foot_m + force_n * _M_PER_N] if force_n.any() else []
+            for foot_m, force_n in zip(feet_m, forces_n, strict=True)
+        ]
+        markers = [
+            marker(now_s, ("forces", foot), ARROW, FOOT_COLOURS[foot], _ARROW_M, points_m=arrow)
+            for foot, arrow in enumerate(arrows)
+        ]
+        bag.add("/forces", MARKERS, now_s, {"markers": markers})

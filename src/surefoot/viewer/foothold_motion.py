@@ -1,0 +1,149 @@
+"""Motions of a quadruped as scenes and recordings need them: of a foothold plan, or of the segments of a run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surefoot.compute import sha256_of
+from surefoot.errors import InputError
+from surefoot.viewer.footholds import read_foothold_plan
+
+Array = NDArray[np.float64]
+
+_LARGEST_LOG_BYTES = 300_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FootholdMotion:
+    """A sampled motion; SI units, the world's frame, feet in the order front left, front right, hind left, hind right.
+
+    Attributes:
+        time_s: ascending, shape (n,).
+        base_m, rpy_rad: shape (n, 3).
+        feet_m, forces_n: shape (n, 4, 3).
+        polygons_m: what feet may stand on, each (corners, 3).
+        friction: of every polygon.
+        footholds_m: of every foot, where it stands one after the other.
+        goal_m: of the base.
+        hips_m: the upper ends of the legs in the frame of the base, shape (4, 3).
+        words: what is said at every sample, beside the loads.
+    """
+
+    time_s: Array
+    base_m: Array
+    rpy_rad: Array
+    feet_m: Array
+    forces_n: Array
+    polygons_m: tuple[Array, ...]
+    friction: tuple[float, ...]
+    footholds_m: tuple[Array, ...]
+    goal_m: tuple[float, float, float]
+    hips_m: Array
+    words: tuple[str, ...]
+
+
+def read_motion(path: Path) -> FootholdMotion:
+    """Read the motion of a foothold plan (a file), or of a quadruped's run (its folder).
+
+    Raises:
+        InputError: it cannot be read, or holds no motion.
+    """
+    if path.is_file():
+        return motion_of(read_foothold_plan(path))
+    return _run_motion(path / "run.jsonl")
+
+
+def motion_of(document: Mapping[str, Any], begin_s: float = 0.0, word: str = "") -> FootholdMotion:
+    """Return the motion of a plan file's object (docs/formats.md, section 6).
+
+    Args:
+        document: the object, with a motion.
+        begin_s: the moment of its first sample.
+        word: what is said at every sample.
+    """
+    values, motion = document["values"], document["motion"]
+    names = ("base_m", "rpy_rad", "feet_m", "forces_n")
+    base_m, rpy_rad, feet_m, forces_n = (np.array(motion[name], np.float64) for name in names)
+    ahead_m, aside_m, _ = values["robot"]["foot_reference_m"]
+    return FootholdMotion(
+        time_s=begin_s + float(values["step_s"]) * np.arange(len(base_m), dtype=np.float64),
+        base_m=base_m,
+        rpy_rad=rpy_rad,
+        feet_m=feet_m,
+        forces_n=forces_n,
+        polygons_m=tuple(np.array(one["vertices_m"], np.float64) for one in values["polygons"]),
+        friction=tuple(float(one["friction"]) for one in values["polygons"]),
+        footholds_m=tuple(feet_m[_touches(motion["footsteps"], foot, len(feet_m)), foot] for foot in range(4)),
+        goal_m=tuple(values["goal"]["position_m"]),
+        hips_m=np.array([(x * ahead_m, y * aside_m, 0.0) for x in (1, -1) for y in (1, -1)]),
+        words=(word,) * len(base_m),
+    )
+
+
+def joined(motions: Sequence[FootholdMotion]) -> FootholdMotion:
+    """Return motions one after the other; polygons that several have are taken once."""
+    names = ("time_s", "base_m", "rpy_rad", "feet_m", "forces_n")
+    arrays = {name: np.concatenate([getattr(one, name) for one in motions]) for name in names}
+    polygons: dict[bytes, tuple[Array, float]] = {}
+    for one in motions:
+        for polygon, friction in zip(one.polygons_m, one.friction, strict=True):
+            polygons.setdefault(polygon.round(6).tobytes(), (polygon, friction))
+    return FootholdMotion(
+        **arrays,
+        polygons_m=tuple(polygon for polygon, _ in polygons.values()),
+        friction=tuple(friction for _, friction in polygons.values()),
+        footholds_m=tuple(np.concatenate([one.footholds_m[foot] for one in motions]) for foot in range(4)),
+        goal_m=motions[-1].goal_m,
+        hips_m=motions[0].hips_m,
+        words=tuple(word for one in motions for word in one.words),
+    )
+
+
+def _touches(footsteps: Sequence[Mapping[str, Any]], foot: int, samples: int) -> list[int]:
+    """Return the samples at which a foot comes to stand, the first one included."""
+    return [0, *(int(one["touch"]) for one in footsteps if one["foot"] == foot and int(one["touch"]) < samples)]
+
+
+def _run_motion(log: Path) -> FootholdMotion:
+    """Return the segments of a quadruped's run, one after the other."""
+    motions, happened = [], ""
+    for line, record in _records(log):
+        if line == 1 and (record.get("kind") != "quadruped-run" or record.get("format") != 1):
+            raise InputError("is no log of a quadruped's run of format 1", source=log, line=1, key="kind")
+        if record.get("record") == "event":
+            happened = ", ".join(f"{name} {value}" for name, value in record["event"].items() if name.endswith("_m"))
+        if record.get("record") != "segment":
+            continue
+        plan = log.parent / str(record["plan"]["path"])
+        if not plan.is_file() or sha256_of(plan) != record["plan"]["sha256"]:
+            raise InputError(f"the plan {plan.name} is missing or was changed", source=log, line=line)
+        what = f"segment {record['number']}: {record['primitive'] or 'in place'}"
+        word = what if not happened else f"{what} (before it: {happened})"
+        motions.append(motion_of(read_foothold_plan(plan), float(record["start_s"]), word))
+        happened = ""
+    if not motions:
+        raise InputError("holds no segment, so there is nothing to replay", source=log)
+    return joined(motions)
+
+
+def _records(log: Path) -> list[tuple[int, dict[str, Any]]]:
+    if log.stat().st_size > _LARGEST_LOG_BYTES:
+        raise InputError(f"is larger than the {_LARGEST_LOG_BYTES} bytes that are allowed", source=log)
+    found = []
+    for line, text in enumerate(log.read_bytes().splitlines(), 1):
+        try:
+            record = json.loads(text)
+        except (ValueError, RecursionError) as problem:
+            message = "is not a whole JSON record; the log was cut off or changed here"
+            raise InputError(message, source=log, line=line) from problem
+        if not isinstance(record, dict):
+            raise InputError("a record has to be a mapping", source=log, line=line)
+        found.append((line, record))
+    return found

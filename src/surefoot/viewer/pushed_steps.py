@@ -1,0 +1,206 @@
+"""One step of a run and what may come of it: its phase plane with a push, and the action game around it.
+
+As in Shamsah et al., T-RO 2023, Fig. 12 (a) and (c).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from surefoot.errors import InputError
+from surefoot.missions.biped_scene import read_biped_scene
+from surefoot.missions.plan_reader import BipedPlan, read_plan
+from surefoot.missions.push_motion import step_controller
+from surefoot.missions.pushed_step import transition
+from surefoot.missions.run_log import Run, Step
+from surefoot.navigation import Action, FineState, Moved, apply_action, deviations, displace_action
+from surefoot.viewer import style
+from surefoot.viewer.motion import arcs, local, turned
+from surefoot.viewer.sources import RunSource, read_run_source
+
+COLOURS = {
+    "nominal": style.VERMILION,
+    "forward": style.BLUE,
+    "backward": style.ORANGE,
+    "left": style.GREEN,
+    "right": style.PURPLE,
+}
+_SAMPLES = 30
+_LABEL_EVERY_M = 0.035
+_MODES = ("standing", "walking", "ready", "left A", "right A", "left B", "right B")
+
+
+def draw_step(run_dir: Path, number: int, out: Path) -> tuple[Path, ...]:
+    """Draw a step of a run: its phase plane and the fragment of the action strategy around it.
+
+    Args:
+        run_dir: the folder of the run.
+        number: of the step, counted from 0.
+        out: the folder for the picture.
+
+    Raises:
+        InputError: if the run has no such step, or cannot be read.
+    """
+    source = read_run_source(run_dir)
+    steps = source.run.steps
+    if not 0 <= number < len(steps):
+        raise InputError(_no_step(source.run, number), source=source.run.path)
+    step, path = steps[number], out / f"step_{number}.png"
+    with style.pictured(path, 12.0, 5.6) as figure:
+        phase, automaton = figure.subplots(1, 2, width_ratios=(1.0, 1.25))
+        drawn = _draw_phase(phase, step)
+        _draw_automaton(automaton, step, source)
+        pushed = "not pushed"
+        if step.push is not None:
+            jump = step.push.jump_mps
+            pushed = f"pushed by {jump[0]:+.2f} m/s ahead and {jump[1]:+.2f} m/s left, recovered by the "
+            pushed += "region's law" if step.push.recovery == "region" else "placement of a foot"
+        style.title(figure, f"Step {number}: {pushed}; outcome {step.transition}")
+        style.legend_outside(figure, [*drawn, *_flags()], columns=6)
+    return (path,)
+
+
+def _no_step(run: Run, number: int) -> str:
+    """Return why a step cannot be drawn: the robot fell in it, or the run is shorter."""
+    walked = f"the steps that were walked are 0 to {len(run.steps) - 1}" if run.steps else "no step was walked"
+    for fall in run.falls:
+        if fall.step == number:
+            ahead, left = fall.push.jump_mps
+            push = f"a push of {ahead:+.2f} m/s ahead and {left:+.2f} m/s left, {-fall.margin_mps:.2f} m/s too large"
+            return f"step {number} was not completed: the robot fell in it after {push} ({fall.reason}); {walked}"
+    return f"has no step {number}; {walked}"
+
+
+def _draw_phase(axes: Axes, step: Step) -> list[Patch | Line2D]:
+    """Draw the sagittal phase plane of a step, with the omegas of a push; return what the legend has to say."""
+    style.light_grid(axes)
+    legend = _draw_region(axes, step)
+    labelled_m = -np.inf
+    for positions, speeds, omega in arcs(step):
+        x, v = local(step, positions)[:, 0], turned(step, speeds)[:, 0]
+        axes.plot(x, v, color=style.BLACK, lw=2.0, zorder=4)
+        middle = len(x) // 2
+        if omega is not None and x[middle] > labelled_m + _LABEL_EVERY_M:
+            labelled_m = x[middle]
+            axes.annotate(f"{omega:.2f}", (x[middle], v[middle]), (0, 5), textcoords="offset points", fontsize=6.5)
+    for foot, label in ((step.foot_m, "stance foot"), (step.next_foot_m, "next foot")):
+        place = float(local(step, np.array(foot[:2]))[0])
+        axes.plot(place, 0.0, "^", ms=9, color=style.BOUND, clip_on=False, zorder=6)
+        axes.annotate(label, (place, 0.0), (0, 9), textcoords="offset points", ha="center", fontsize=7.5)
+    if step.push is not None:
+        place = float(local(step, np.array(step.push.planned.next_foot_m[:2]))[0])
+        axes.plot(place, 0.0, "^", ms=9, mfc="none", mec=style.BOUND, clip_on=False, zorder=6)
+    switch = float(local(step, np.array(step.switch_m))[0]), float(turned(step, np.array(step.switch_velocity_mps))[0])
+    axes.plot(*switch, "s", ms=6, mfc="white", mec=style.BLACK, zorder=7)
+    axes.set_xlabel("position along the heading, from the waypoint [m]")
+    axes.set_ylabel("speed along the heading [m/s]")
+    axes.set_title("(a) phase plane; numbers are omegas [rad/s]" if step.push else "(a) phase plane", loc="left")
+    axes.set_ylim(0.0, max(1.15, axes.get_ylim()[1]))
+    return [
+        *legend,
+        Line2D([], [], color=style.BLACK, lw=2, label="CoM"),
+        Line2D([], [], ls="", marker="s", mfc="white", mec=style.BLACK, label="switch"),
+        *([Line2D([], [], ls="", marker="^", mfc="none", mec=style.BOUND, label="planned foot")] if step.push else []),
+    ]
+
+
+def _draw_region(axes: Axes, step: Step) -> list[Patch | Line2D]:
+    """Draw the robust controllable region that the law of a pushed step relied on."""
+    if step.push is None or step.push.window_mps is None:
+        return []
+    start, foot, following = (
+        float(local(step, np.array(place[:2]))[0]) for place in (step.com_m, step.foot_m, step.push.planned.next_foot_m)
+    )
+    region = step_controller(following - start, foot - start, step.push.window_mps).region
+    cells = region.cells
+    legend: list[Patch | Line2D] = []
+    (left, right), (low, high) = cells.x_edges(), cells.v_edges()
+    x, v = np.append(left, right[-1]) + start, np.append(low, high[-1])
+    layers = (
+        (region.first.won, style.GREEN, "first half"),
+        (region.second.won, style.YELLOW, "second half"),
+        (region.first.target, style.SKY, "guard"),
+        (region.second.target, style.VERMILION, "target"),
+    )
+    for won, colour, label in layers:
+        shown = np.ma.masked_equal(won.T.astype(float), 0.0)
+        axes.pcolormesh(x, v, shown, cmap=ListedColormap([colour]), alpha=0.35, rasterized=True, zorder=1)
+        legend.append(Patch(facecolor=colour, alpha=0.35, label=label))
+    return legend
+
+
+def _draw_automaton(axes: Axes, step: Step, source: RunSource) -> None:
+    """Draw the state before a step, its action, and the states that the outcomes lead to."""
+    plan = read_plan(source.plan.folder, read_biped_scene(source.plan.folder / _scenario(source)))
+    fine = step.fine
+    state = FineState(fine.row, fine.column, fine.heading, fine.stance, fine.mode, fine.context)
+    edges = _edges(plan, state, step)
+    axes.set_axis_off()
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(-0.5, len(edges) - 0.5)
+    axes.set_title("(b) the action strategy around the step", loc="left")
+    middle = 0.5 * (len(edges) - 1)
+    _box(axes, 0.13, middle, f"{_named(state)}\naction: {_action(plan, step.action)}", style.BLACK, bold=True)
+    for number, (label, flag, moved, taken) in enumerate(edges):
+        colour = COLOURS[flag]
+        axes.annotate(
+            "",
+            (0.71, number),
+            (0.25, middle),
+            arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2.6 if taken else 1.0, "shrinkA": 0, "shrinkB": 0},
+        )
+        place = middle + 0.7 * (number - middle)
+        ground = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+        axes.text(0.57, place, label, fontsize=7, color=colour, ha="center", va="center", bbox=ground, zorder=6)
+        answer = plan.action.actions.get(moved.state)
+        after = "order achieved" if moved.achieved else "no answer" if answer is None else _action(plan, answer)
+        _box(axes, 0.83, number, f"{_named(moved.state)}\n{after}", colour, bold=taken)
+
+
+def _edges(plan: BipedPlan, state: FineState, step: Step) -> list[tuple[str, str, Moved, bool]]:
+    """Return the outcomes of a step's action: label, flag, where it leads, and whether it was the one taken."""
+    tables, yaw = plan.rules.tables, step.yaw_rad
+    most, found = deviations(tables, state, step.action), []
+    taken = step.outcome.sagittal, step.outcome.lateral
+    for e in range(-most.sagittal, most.sagittal + 1):
+        for aside in range(-most.lateral, most.lateral + 1):
+            walked = (e, aside) == taken and step.moved_cells == (0, 0)
+            moved = apply_action(tables, state, step.action, e, aside)
+            found.append((f"({e:+d}, {aside:+d})", transition((e, aside), (0, 0), yaw), moved, walked))
+    if step.moved_cells != (0, 0):
+        put_off = step.push is not None and step.push.put_off
+        displaced = displace_action(tables, state, step.action, taken, step.moved_cells, put_off=put_off)
+        if displaced is not None:
+            label = f"entered anew, rows {step.moved_cells[0]:+d}, columns {step.moved_cells[1]:+d}"
+            found.append((label, step.transition, displaced, True))
+    return found
+
+
+def _scenario(source: RunSource) -> str:
+    return str(source.plan.document["scenario"]["path"])
+
+
+def _named(state: FineState) -> str:
+    foot = "left" if state.stance == 0 else "right"
+    return f"cell ({state.row}, {state.column}), heading {state.heading}\n{foot} stance, {_MODES[state.mode]}"
+
+
+def _action(plan: BipedPlan, action: int) -> str:
+    if action >= Action.STRAIGHT:
+        return f"straight, {plan.rules.tables.length[action]} cells"
+    return Action(action).name.lower().replace("_", "-")
+
+
+def _box(axes: Axes, x: float, y: float, text: str, colour: str, *, bold: bool) -> None:
+    look = {"boxstyle": "round,pad=0.35", "facecolor": "white", "edgecolor": colour, "linewidth": 2.4 if bold else 1.0}
+    axes.text(x, y, text, fontsize=7, ha="center", va="center", bbox=look, zorder=5)
+
+
+def _flags() -> list[Line2D]:
+    return [Line2D([], [], color=colour, lw=1.8, label=flag) for flag, colour in COLOURS.items()]

@@ -1,0 +1,238 @@
+"""Pictures of a quadruped's run: the map with classes, way points, footholds and the base; and the two timelines."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.patches import Rectangle as Box
+
+from surefoot.errors import InputError
+from surefoot.missions.quadruped_events import Happening
+from surefoot.missions.quadruped_world import World
+from surefoot.skills import read_terrain
+from surefoot.skills.patches import Rectangle
+from surefoot.viewer import style
+from surefoot.viewer.footholds import FOOT_COLOURS, FOOT_LABELS
+from surefoot.viewer.skills_terrain import class_colours
+
+_LARGEST_BYTES = 64_000_000
+_INCHES_PER_M = 1.15
+
+
+def is_quadruped_run(run_dir: Path) -> bool:
+    """Return whether a folder holds the run of a quadruped."""
+    try:
+        with (run_dir / "run.jsonl").open("rb") as stream:
+            return b'"quadruped-run"' in stream.read(400)
+    except OSError:
+        return False
+
+
+def draw_quadruped_run(run_dir: Path, out: Path) -> tuple[Path, ...]:
+    """Draw a run: ``map.png``, and ``timeline.png`` if the robot walked.
+
+    Raises:
+        InputError: the log, its terrain, or a plan cannot be read.
+    """
+    path = run_dir / "run.jsonl"
+    try:
+        records = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
+        pictures = [_draw_map(run_dir, records, out / "map.png")]
+        segments = [one for one in records if one["record"] == "segment"]
+        if segments:
+            pictures.append(draw_timeline(segments, out / "timeline.png"))
+    except (ValueError, KeyError, TypeError, IndexError) as problem:
+        raise InputError(f"is no whole log of a quadruped's run ({problem})", source=path) from problem
+    return tuple(pictures)
+
+
+def _draw_map(run_dir: Path, records: list[dict[str, Any]], path: Path) -> Path:
+    header = records[0]
+    source = (run_dir / header["terrain"]["path"]).resolve()
+    world = World(read_terrain(source, classes=header["classes"]))
+    events = [one["event"] for one in records if one["record"] == "event"]
+    for event in events:
+        world = _after(world, event)
+    rows, columns = world.terrain.cells
+    width, height = columns * world.terrain.cell_m, rows * world.terrain.cell_m
+    with style.pictured(path, max(_INCHES_PER_M * width + 1.2, 5.0), _INCHES_PER_M * height + 1.6) as figure:
+        axes = figure.subplots()
+        classes = _draw_classes(axes, world)
+        _draw_ground(axes, world)
+        handles = _draw_events(axes, records)
+        _draw_motions(axes, run_dir, records)
+        _draw_requests(axes, records)
+        _frame(axes, world)
+        end = records[-1] if records[-1]["record"] == "end" else None
+        count = sum(one["record"] == "segment" for one in records)
+        reached = "interrupted" if end is None else "goal reached" if end["reached"] else "goal not reached"
+        style.title(figure, f"{world.terrain.name}: {reached}, {count} segments")
+        style.legend_outside(figure, [*classes, *handles, *_handles()], columns=4)
+    return path
+
+
+def _after(world: World, event: dict[str, Any]) -> World:
+    for what in (Happening.OBSTACLE, Happening.HOLE):
+        if what.value in event:
+            (west, south), (east, north) = event[what.value]
+            area = Rectangle(west, south, east, north)
+            return world.with_obstacle(area) if what is Happening.OBSTACLE else world.without_ground(area)
+    return world
+
+
+def _draw_classes(axes: Axes, world: World) -> list[Patch]:
+    """Colour every cell by its class, seen from itself; return what the colours mean."""
+    terrain, colours = world.terrain, class_colours(world.terrain.classes)
+    shown: dict[str, None] = {}
+    for row in range(terrain.cells[0]):
+        for column in range(terrain.cells[1]):
+            state = world.state((row, column))
+            label = "obstacle" if state is None else state.label(state.centre)
+            shown[label] = None
+            square = terrain.square_m((row, column))
+            axes.add_patch(
+                Box(
+                    (-square.north, square.west), terrain.cell_m, terrain.cell_m,
+                    facecolor=colours[label], alpha=0.35, edgecolor="white", lw=0.8, zorder=1,
+                )
+            )  # fmt: skip
+    return [Patch(facecolor=colours[label], alpha=0.35, label=label) for label in shown]
+
+
+def _draw_ground(axes: Axes, world: World) -> None:
+    outlines = [np.column_stack((-one.vertices_m[:, 1], one.vertices_m[:, 0])) for one in world.terrain.polygons]
+    heights = np.array([one.vertices_m[:, 2].mean() for one in world.terrain.polygons])
+    span = max(float(np.ptp(heights)), 1e-9)
+    faces = [(0.62 + 0.3 * share,) * 3 for share in (heights - heights.min()) / span]
+    axes.add_collection(PolyCollection(outlines, facecolors=faces, edgecolors=style.WALL, linewidths=0.3, zorder=2))
+
+
+def _draw_events(axes: Axes, records: list[dict[str, Any]]) -> list[Any]:
+    handles: list[Any] = []
+    looks = {
+        Happening.OBSTACLE: (style.OBSTACLE, "obstacle that appeared"),
+        Happening.HOLE: ("white", "ground that went"),
+    }
+    for record in (one for one in records if one["record"] == "event"):
+        for what, (colour, label) in looks.items():
+            if what.value in record["event"]:
+                (west, south), (east, north) = record["event"][what.value]
+                look: dict[str, Any] = {"facecolor": colour, "edgecolor": style.BLACK, "hatch": "///", "zorder": 3}
+                axes.add_patch(Box((-north, west), north - south, east - west, **look))
+                handles.append(Patch(facecolor=colour, edgecolor=style.BLACK, hatch="///", label=label))
+        if record["stands"] is not None:
+            x, y, _ = record["stands"]["base_m"]
+            axes.plot(-y, x, "X", color=style.VERMILION, ms=9, zorder=8)
+            handles.append(Line2D([], [], color=style.VERMILION, marker="X", lw=0, label="pushed to here"))
+    for record in (one for one in records if one["record"] == "failed"):
+        (row, column), (after_row, after_column) = record["cells"]
+        header = records[0]
+        places = [_centre(header, (row, column)), _centre(header, (after_row, after_column))]
+        x, y = np.mean(places, axis=0)
+        axes.plot(-y, x, "x", color=style.VERMILION, ms=8, mew=2, zorder=8)
+    if any(one["record"] == "failed" for one in records):
+        handles.append(Line2D([], [], color=style.VERMILION, marker="x", lw=0, mew=2, label="program failed"))
+    return list({one.get_label(): one for one in handles}.values())
+
+
+def _centre(header: dict[str, Any], cell: tuple[int, int]) -> tuple[float, float]:
+    (x, y), (rows, columns), side = header["origin_m"], header["cells"], header["cell_m"]
+    return x + (rows - cell[0] - 0.5) * side, y + (columns - cell[1] - 0.5) * side
+
+
+def _draw_motions(axes: Axes, run_dir: Path, records: list[dict[str, Any]]) -> None:
+    for record in (one for one in records if one["record"] == "segment"):
+        file = run_dir / record["plan"]["path"]
+        if file.stat().st_size > _LARGEST_BYTES:
+            raise InputError(f"is larger than {_LARGEST_BYTES} bytes", source=file)
+        motion = json.loads(file.read_text("utf-8"))["motion"]
+        base, feet = np.array(motion["base_m"]), np.array(motion["feet_m"])
+        axes.plot(-base[:, 1], base[:, 0], color=style.BLACK, lw=1.6, zorder=6)
+        axes.plot(-base[-1, 1], base[-1, 0], "o", color=style.BLACK, ms=3, zorder=6)
+        for foot, colour in enumerate(FOOT_COLOURS):
+            places = np.array(
+                [feet[s["touch"], foot] for s in motion["footsteps"] if s["foot"] == foot] or feet[:1, foot]
+            )
+            axes.plot(-places[:, 1], places[:, 0], "o", color=colour, ms=3.2, mec="white", mew=0.4, zorder=7)
+
+
+def _draw_requests(axes: Axes, records: list[dict[str, Any]]) -> None:
+    header = records[0]
+    for record in (one for one in records if one["record"] == "request"):
+        rows, columns = header["grid"]
+        row, column = record["request"][0] - rows // 2, record["request"][1] - columns // 2
+        for _ in range(record["quarter_turns"] % 4):
+            row, column = -column, row
+        x, y = _centre(header, (record["cell"][0] + row, record["cell"][1] + column))
+        made = record["source"] != "library"
+        axes.plot(-y, x, "D", ms=8, mfc="none", mec=style.VERMILION if made else style.BLUE, mew=1.4, zorder=5)
+    x, y = header["goal"]["place_m"]
+    axes.plot(-y, x, "*", color=style.GOAL, mec=style.BLACK, ms=15, zorder=9)
+    x, y, _ = header["start"]["base_m"]
+    axes.plot(-y, x, "s", color=style.BLACK, ms=8, zorder=9)
+
+
+def _frame(axes: Axes, world: World) -> None:
+    terrain = world.terrain
+    (x, y), (rows, columns) = terrain.origin_m, terrain.cells
+    axes.set_xlim(-y - columns * terrain.cell_m - 0.05, -y + 0.05)
+    axes.set_ylim(x - 0.05, x + rows * terrain.cell_m + 0.05)
+    axes.set_aspect("equal")
+    axes.set_xlabel("-y, to the right [m]")
+    axes.set_ylabel("x, ahead [m]")
+
+
+def _handles() -> list[Any]:
+    feet = [
+        Line2D([], [], color=colour, marker="o", lw=0, ms=4, label=f"{label} foot")
+        for colour, label in zip(FOOT_COLOURS, FOOT_LABELS, strict=True)
+    ]
+    return [
+        Line2D([], [], color=style.BLACK, lw=1.6, marker="o", ms=3, label="base, ends of segments"),
+        Line2D([], [], mec=style.BLUE, mfc="none", marker="D", lw=0, label="way point, strategy of the library"),
+        Line2D([], [], mec=style.VERMILION, mfc="none", marker="D", lw=0, label="way point, strategy made on the way"),
+        Line2D([], [], color=style.BLACK, marker="s", lw=0, label="start"),
+        Line2D([], [], color=style.GOAL, mec=style.BLACK, marker="*", lw=0, ms=10, label="goal"),
+        *feet,
+    ]
+
+
+def draw_timeline(segments: list[dict[str, Any]], path: Path) -> Path:
+    """Draw when motions are planned and when they are walked (Zhou et al. 2025, Fig. 6).
+
+    Args:
+        segments: records of the run log.
+        path: of the PNG file.
+    """
+    with style.pictured(path, 9.0, 2.6) as figure:
+        axes = figure.subplots()
+        for number, one in enumerate(segments):
+            colour = (style.SKY, style.YELLOW, style.GREEN, style.ORANGE)[number % 4]
+            planned = max(one["sent_s"] - one["plan_start_s"], 0.02)
+            axes.broken_barh(
+                [(one["plan_start_s"], planned)], (1.1, 0.8), facecolors=colour, edgecolor=style.WALL, lw=0.4
+            )
+            walked = one["end_s"] - one["start_s"]
+            axes.broken_barh([(one["start_s"], walked)], (0.1, 0.8), facecolors=colour, edgecolor=style.WALL, lw=0.4)
+            axes.text(one["start_s"] + walked / 2, 0.5, str(one["number"]), ha="center", va="center", fontsize=7)
+            if one["idle_s"] > 0:
+                axes.broken_barh(
+                    [(one["start_s"] - one["idle_s"], one["idle_s"])], (0.1, 0.8), facecolors=style.VERMILION
+                )
+        axes.set_yticks([0.5, 1.5], ["tracker", "planner"])
+        axes.set_ylim(0, 2)
+        axes.set_xlim(0, segments[-1]["end_s"])
+        axes.set_xlabel("time of the mission [s]")
+        idle = sum(one["idle_s"] for one in segments)
+        axes.set_title(f"planned and walked; idle {idle:.2f} s")
+        axes.spines[["top", "right"]].set_visible(False)
+        handles = [Patch(facecolor=style.VERMILION, label="stance, waiting for the planner")]
+        style.legend_outside(figure, handles, columns=1)
+    return path

@@ -1,0 +1,29 @@
+"""A replay of 500 steps: small, and quickly opened."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+from browsing import browser
+
+from surefoot.missions.run_log import read_run
+from surefoot.viewer.replay import write_replay
+from synthetic_run import write_run
+
+
+@pytest.mark.campaign
+@pytest.mark.xdist_group("browser")
+def test_a_replay_of_500_steps_is_small_and_opens_quickly(tmp_path: Path) -> None:
+    folder = write_run(tmp_path, laps=7)
+    assert len(read_run(folder).steps) >= 500
+    page = write_replay(folder, tmp_path / "replay.html")
+    assert page.stat().st_size < 10_000_000
+    taken_s = []
+    with browser() as opened:
+        for _ in range(3):
+            begin_s = time.perf_counter()
+            opened.open(page.as_uri(), "/robot/trunk")
+            taken_s.append(time.perf_counter() - begin_s)
+    assert min(taken_s) < 5.0

@@ -1,0 +1,71 @@
+"""The page that answers what a plan's strategy does, opened in a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browsing import Opened, browser
+
+from surefoot.cli import main
+from surefoot.navigation import NavigationStrategy, Order
+from surefoot.viewer.answers import strategy_of
+from surefoot.viewer.sources import PlanSource, read_plan_source
+
+
+@pytest.fixture(scope="module")
+def source(tutorial_plan: Path) -> PlanSource:
+    return read_plan_source(tutorial_plan)
+
+
+@pytest.fixture(scope="module")
+def strategy(source: PlanSource) -> NavigationStrategy:
+    return strategy_of(source)
+
+
+@pytest.fixture(scope="module")
+def opened(tutorial_plan: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Opened]:
+    page = tmp_path_factory.mktemp("strategy") / "strategy.html"
+    assert main(["view", str(tutorial_plan), "--html", str(page)]) == 0
+    with browser() as one:
+        one.page.goto(page.as_uri())
+        yield one
+
+
+def shown(opened: Opened) -> dict[tuple[int, int], str]:
+    """Return the arrows on the page by cell."""
+    script = "gs => gs.map(g => [Number(g.dataset.row), Number(g.dataset.column), g.dataset.order])"
+    return {(row, column): order for row, column, order in opened.page.eval_on_selector_all("g[data-order]", script)}
+
+
+@pytest.mark.xdist_group("browser")
+@pytest.mark.parametrize("share", [0.0, 0.4, 0.9])
+def test_the_orders_are_those_of_the_strategy(
+    opened: Opened, source: PlanSource, strategy: NavigationStrategy, share: float
+) -> None:
+    row = int(share * (strategy.size - 1))
+    cell, heading, goal = int(strategy.cell[row]), int(strategy.heading[row]), int(strategy.goal[row])
+    opened.page.click("#everywhere")
+    opened.page.select_option("#goal", str(goal))
+    opened.page.select_option("#heading", str(heading))
+    opened.page.locator("rect.free, rect.blocked").nth(cell).click()
+    with_it = np.flatnonzero((strategy.cell == cell) & (strategy.heading == heading) & (strategy.goal == goal))
+    assert f"of {len(set(strategy.state[with_it].tolist()))} with the robot" in opened.page.inner_text("#words")
+    place = source.grid.cell(cell)
+    found = set()
+    for number in range(int(opened.page.get_attribute("#state", "max")) + 1):
+        opened.page.locator("#state").fill(str(number))
+        found.add((shown(opened)[place.row, place.column], opened.page.locator("[data-hidden]").count()))
+    expected = set()
+    for one in with_it.tolist():
+        hidden = sum(mask.bit_count() for mask in strategy.states[strategy.state[one]].hidden)
+        expected.add((str(Order.of(int(strategy.order[one]))), hidden))
+    assert found == expected
+
+
+@pytest.mark.xdist_group("browser")
+def test_nothing_is_asked_of_the_network(opened: Opened) -> None:
+    assert len(opened.requests) == 1
+    assert opened.errors == []
