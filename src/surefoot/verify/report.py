@@ -7,6 +7,11 @@ from pathlib import Path
 from surefoot.errors import InputError
 from surefoot.verify.findings import Ledger, Report
 
+VERIFIABLE = (
+    "the folder of a plan (plan.json), of a run (run.jsonl) or of a skill library (library.json), or a file of a "
+    "strategy, a region of a step, a terrain or a foothold plan (.json)"
+)
+
 
 def verify_path(path: Path | str, specification: Path | None = None) -> Report:
     """Check a saved plan, run or strategy with code that shares nothing with what made it.
@@ -23,6 +28,8 @@ def verify_path(path: Path | str, specification: Path | None = None) -> Report:
         LimitExceeded: the artefact is too large to be checked completely.
     """
     path = Path(path)
+    if not path.exists():
+        raise InputError("does not exist", source=path)
     folder = path if path.is_dir() else path.parent
     ledger = Ledger()
     foothold_plan = _foothold_plan(path)
@@ -61,6 +68,13 @@ def verify_path(path: Path | str, specification: Path | None = None) -> Report:
     if specification is not None:
         raise InputError("is no strategy, and only strategies have a specification", source=path)
     if (folder / "run.jsonl").is_file() and path.name != "plan.json":
+        from surefoot.verify.quadruped_file import is_quadruped_run
+
+        if is_quadruped_run(folder):
+            from surefoot.verify.quadruped_run import check_quadruped_run
+
+            check_quadruped_run(folder, ledger)
+            return ledger.report("quadruped-run")
         from surefoot.verify.run_check import check_run
 
         check_run(folder, ledger)
@@ -73,7 +87,7 @@ def verify_path(path: Path | str, specification: Path | None = None) -> Report:
     if (folder / "checks.jsonl").is_file():
         message = "is a library of skills whose synthesis was interrupted; `surefoot skills synthesize` goes on with it"
         raise InputError(message, source=folder)
-    raise InputError("holds neither plan.json nor run.jsonl", source=path)
+    raise InputError(f"is nothing that can be verified; that is {VERIFIABLE}", source=path)
 
 
 def _kind(path: Path) -> str | None:

@@ -1,0 +1,265 @@
+"""Online: a quadruped walks over real polygons with the skills of a library (docs/quadruped.md)."""
+
+from __future__ import annotations
+
+import math
+import platform
+import statistics
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot import __version__
+from surefoot.compute import process_pool
+from surefoot.errors import InputError
+from surefoot.footholds.solve import load_backends
+from surefoot.missions.plan_writer import reference
+from surefoot.missions.quadruped_crossing import OnlineLimits
+from surefoot.missions.quadruped_events import Event, read_events
+from surefoot.missions.quadruped_records import Log
+from surefoot.missions.quadruped_skills import SkillBook
+from surefoot.missions.quadruped_stance import Stance, stance_about
+from surefoot.missions.quadruped_timeline import delays
+from surefoot.missions.quadruped_walk import QuadrupedWalk
+from surefoot.missions.quadruped_world import World
+from surefoot.missions.run_writer import RunWriter
+from surefoot.robots.quadruped import quadruped
+from surefoot.skills import QuadrupedTerrain, read_terrain
+from surefoot.skills.headings import turning_of
+from surefoot.skills.library import LIBRARY, SkillLibrary, read_library
+from surefoot.skills.physics import PRELOAD
+from surefoot.skills.quadruped_terrain import Point
+from surefoot.skills.skill_game import pair_game, solve_game
+from surefoot.skills.terrain_checks import terrain_checks
+from surefoot.skills.values import Cell, TerrainState
+from surefoot.verify import verify_path
+
+_SEGMENTS_PER_CELL = 4
+
+
+@dataclass(frozen=True, slots=True)
+class QuadrupedAnswer:
+    """What a run did.
+
+    Attributes:
+        reached: whether the robot stands in the cell of the goal.
+        why_not: why it does not; empty if it does.
+        transitions: that were walked.
+        repairs: strategies that were made at run time, because the library had none or a program failed.
+        new_skills: skills that physics certified at run time.
+        resynthesis_ms: the longest time that making such a strategy from skills at hand took [ms], in processor time.
+        repair_ms: the same where physics had to be asked about new skills, physics not counted.
+        contradictions: online programs that are infeasible although the skill has an offline certificate.
+        other_gaits: how many of these transitions another gait could do.
+        settled: how often the robot stepped in place, because a program failed from where its feet were.
+        limits: online programs that a limit left open.
+        violations: assumptions of a strategy that did not hold any more.
+        detours: how often the robot stood and the global planner was asked for another way.
+        idle_s: how long the robot stood because the next motion was not there [s].
+        idle_for_checks_s: the part of it in which physics was asked about skills that the library lacks.
+        first_s: what planning the first motion took, before which the robot stands anyway [s].
+        walked_s: when the robot stands at last [s].
+        solve_ms_mean, solve_ms_p95: of the online programs, in processor time [ms], re-targeting not counted.
+        retarget_ms_mean: of re-targeting.
+        polygons_mean, continuous_mean, binaries_mean: size of the programs, as the paper counts variables.
+        verified: whether the independent checker accepted the log.
+        findings: what it refused.
+        out: the run folder.
+    """
+
+    reached: bool
+    why_not: str
+    transitions: int
+    repairs: int
+    new_skills: int
+    resynthesis_ms: float
+    repair_ms: float
+    contradictions: int
+    other_gaits: int
+    settled: int
+    limits: int
+    violations: int
+    detours: int
+    idle_s: float
+    idle_for_checks_s: float
+    first_s: float
+    walked_s: float
+    solve_ms_mean: float
+    solve_ms_p95: float
+    retarget_ms_mean: float
+    polygons_mean: float
+    continuous_mean: float
+    binaries_mean: float
+    verified: bool
+    findings: tuple[str, ...]
+    out: Path
+
+    @property
+    def succeeded(self) -> bool:
+        """Return whether the goal was reached and the log was verified."""
+        return self.reached and self.verified
+
+
+@dataclass(frozen=True, slots=True)
+class QuadrupedOrder:
+    """What a run is asked to do.
+
+    Attributes:
+        terrain: file of the terrain.
+        library: folder of the skills; None: none were made, the runtime repair finds what is needed.
+        start_m, goal_m: instead of those of the terrain.
+        events: file of what happens.
+        delay: injected planning delays, in words.
+        classes: of a segmented terrain, which names none.
+        limits: of online programs.
+    """
+
+    terrain: Path
+    library: Path | None = None
+    start_m: Point | None = None
+    goal_m: Point | None = None
+    events: Path | None = None
+    delay: str | None = None
+    classes: str | None = None
+    limits: OnlineLimits = field(default_factory=OnlineLimits)
+
+
+def run_quadruped(
+    order: QuadrupedOrder, out: Path, progress: Callable[[str], None] = lambda _: None
+) -> QuadrupedAnswer:
+    """Walk a mission and have its log verified; see ``walk_quadruped``."""
+    return walk_quadruped(order, out, progress)[1]
+
+
+def walk_quadruped(
+    order: QuadrupedOrder, out: Path, progress: Callable[[str], None] = lambda _: None
+) -> tuple[QuadrupedWalk, QuadrupedAnswer]:
+    """Walk a mission and have its log verified; return also the walk itself, with its segments.
+
+    Raises:
+        InputError: an input cannot be used, for instance a library that was made with other rules.
+    """
+    terrain = _terrain(order)
+    start, goal = _place(terrain, "start_m"), _place(terrain, "goal_m")
+    events = () if order.events is None else read_events(order.events)
+    delays_s = delays(order.delay)
+    with process_pool(preload=PRELOAD) as executor:
+        checks = terrain_checks(terrain, executor)
+        library = None if order.library is None else read_library(order.library, made_with=checks.made_with)
+        world, robot = World(terrain), quadruped(terrain.robot)
+        stance = stance_about(robot, world, terrain.centre_m(terrain.cell_at(start)), 0)
+        if stance is None or world.state(stance.cell) is None:
+            raise InputError(f"the robot cannot stand at the start, in cell {terrain.cell_at(start)}", key="start_m")
+        _warm_up()
+        with RunWriter(out) as writer:
+            log = Log(writer, progress)
+            log.write("header", **_header(order, terrain, library, stance, out, events, delays_s))
+            turning = turning_of(terrain.classes, terrain.directions) if terrain.yaw else None
+            book = SkillBook(library, checks.physics, out, turning)
+            most = _SEGMENTS_PER_CELL * math.prod(terrain.cells)
+            walk = QuadrupedWalk(
+                robot, world, book, stance, terrain.cell_at(goal), log,
+                events=events, limits=order.limits, delays_s=delays_s, most_segments=most,
+            )  # fmt: skip
+            why_not = walk.run()
+            log.write("end", reached=not why_not, why_not=why_not, cell=walk.stance.cell, segments=len(walk.segments))
+    progress("verifying the log")
+    return walk, _answer(walk, why_not, out)
+
+
+def _terrain(order: QuadrupedOrder) -> QuadrupedTerrain:
+    read = read_terrain(order.terrain) if order.classes is None else read_terrain(order.terrain, classes=order.classes)
+    return replace(read, start_m=order.start_m or read.start_m, goal_m=order.goal_m or read.goal_m)
+
+
+def _place(terrain: QuadrupedTerrain, key: str) -> Point:
+    place: Point | None = getattr(terrain, key)
+    option = "--" + key.removesuffix("_m")
+    if place is None:
+        message = f"is missing; give it in the terrain file, or as {option} X,Y in metres of the map"
+        raise InputError(message, source=terrain.source, key=key)
+    terrain.cell_at(place)
+    return place
+
+
+def _warm_up() -> None:
+    """Import and compile, so that neither counts as time to plan."""
+    load_backends()
+    solve_game(pair_game(TerrainState((("flat",),)), (0, 0), ()))
+
+
+def _header(
+    order: QuadrupedOrder,
+    terrain: QuadrupedTerrain,
+    library: SkillLibrary | None,
+    stance: Stance,
+    out: Path,
+    events: Sequence[Event],
+    delays_s: Sequence[float],
+) -> dict[str, Any]:
+    limits = order.limits
+    return {
+        "kind": "quadruped-run",
+        "format": 1,
+        "surefoot": __version__,
+        "versions": {"python": platform.python_version(), "numpy": np.__version__},
+        "terrain": reference(order.terrain, out),
+        "library": None if library is None else reference(library.folder / LIBRARY, out),
+        "classes": terrain.classes.name,
+        "robot": terrain.robot,
+        "cell_m": terrain.cell_m,
+        "grid": terrain.grid,
+        "origin_m": terrain.origin_m,
+        "cells": terrain.cells,
+        "start": {"cell": stance.cell, "base_m": stance.base_m, "feet_m": stance.feet_m},
+        "goal": {"place_m": terrain.goal_m, "cell": _cell_of(terrain, terrain.goal_m)},
+        "events": [one.described() for one in events],
+        "delays_s": delays_s,
+        "gap": limits.gap,
+        "time_limit_s": limits.time_limit_s,
+        "collision": limits.collision,
+    }
+
+
+def _cell_of(terrain: QuadrupedTerrain, place_m: Point | None) -> Cell | None:
+    return None if place_m is None else terrain.cell_at(place_m)
+
+
+def _answer(walk: QuadrupedWalk, why_not: str, out: Path) -> QuadrupedAnswer:
+    report, tally = verify_path(out), walk.tally
+    slots, programs = tally.slots, tally.crossed
+    return QuadrupedAnswer(
+        reached=not why_not,
+        why_not=why_not,
+        transitions=len(walk.segments),
+        repairs=tally.repairs,
+        new_skills=tally.new_skills,
+        resynthesis_ms=max(tally.resynthesis_ms, default=0.0),
+        repair_ms=max(tally.repair_ms, default=0.0),
+        contradictions=tally.contradictions,
+        other_gaits=tally.other_gaits,
+        settled=tally.settled,
+        limits=tally.limits,
+        violations=tally.violations,
+        detours=tally.detours,
+        idle_s=sum(slot.idle_s for slot in slots),
+        idle_for_checks_s=tally.idle_for_checks_s,
+        first_s=slots[0].start_s if slots else 0.0,
+        walked_s=slots[-1].end_s if slots else 0.0,
+        solve_ms_mean=_mean([one.solve_ms for one in programs]),
+        solve_ms_p95=float(np.percentile([one.solve_ms for one in programs] or [0.0], 95)),
+        retarget_ms_mean=_mean([one.retarget_ms for one in programs]),
+        polygons_mean=_mean([len(one.problem.polygons) for one in programs]),
+        continuous_mean=_mean([one.continuous for one in programs]),
+        binaries_mean=_mean([one.binaries for one in programs]),
+        verified=report.accepted,
+        findings=tuple(map(str, report.findings)),
+        out=out,
+    )
+
+
+def _mean(values: Sequence[float]) -> float:
+    return statistics.fmean(values) if values else 0.0

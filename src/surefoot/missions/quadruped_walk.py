@@ -1,0 +1,325 @@
+"""The executive: from way point to way point, from cell to cell, until the goal is reached or nothing leads there.
+
+The automaton advances only when the online program of its transition has a motion. What goes wrong (classes that the
+library has not seen, a program that fails, a world that changes) leads to another strategy, and when there is none, the
+robot stands and asks the global planner for another way. Everything is logged as it happens.
+
+Source: Zhou et al. 2025, VII and VIII-B; docs/quadruped.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from surefoot.footholds.gaits import NAMED
+from surefoot.missions.quadruped_crossing import Certificate, Crossed, OnlineLimits, cross, crossing
+from surefoot.missions.quadruped_events import Event, Happening
+from surefoot.missions.quadruped_records import Log
+from surefoot.missions.quadruped_route import Edge, Pose, Routes, moves_from, pose_in_grid, pose_on_map
+from surefoot.missions.quadruped_skills import Handled, SkillBook
+from surefoot.missions.quadruped_stance import Segment, Stance, stance_about
+from surefoot.missions.quadruped_timeline import Clock, Slot, delay_of
+from surefoot.missions.quadruped_world import World
+from surefoot.robots.quadruped import Quadruped
+from surefoot.skills.values import OBSTACLE, Cell, Primitive, TerrainState, Way
+
+Strategy = Mapping[Pose, Way | None]
+SETTLING = NAMED["trot-1s"]
+"""The gait in which the robot steps in place."""
+OTHER_GAITS = ("trot-2s", "trot-3s", "leap-1.5s", "walk-2.25s")
+"""What is tried where the certificate's gait fails on the real polygons."""
+_SETTLED_M = 0.01
+
+
+@dataclass(slots=True)
+class Tally:
+    """What a mission counts.
+
+    Attributes:
+        repairs: strategies that were made at run time.
+        new_skills: skills that physics certified at run time.
+        resynthesis_ms: processor time of every such strategy from skills at hand.
+        repair_ms: of every one that physics was asked for, physics not counted.
+        contradictions: online programs proved infeasible although the skill has a certificate.
+        other_gaits: how many of them another gait could do.
+        limits: online programs that a limit left open.
+        violations: assumptions that did not hold.
+        detours: how often the global planner was asked for another way.
+        settled: how often the robot stepped in place, because a program failed from where its feet were.
+        idle_for_checks_s: how long the robot stood while physics was asked about new skills.
+        slots: of the motions that were walked.
+        crossed: every online program.
+    """
+
+    repairs: int = 0
+    new_skills: int = 0
+    resynthesis_ms: list[float] = field(default_factory=list)
+    repair_ms: list[float] = field(default_factory=list)
+    contradictions: int = 0
+    other_gaits: int = 0
+    limits: int = 0
+    violations: int = 0
+    detours: int = 0
+    settled: int = 0
+    idle_for_checks_s: float = 0.0
+    slots: list[Slot] = field(default_factory=list)
+    crossed: list[Crossed] = field(default_factory=list)
+
+
+class QuadrupedWalk:
+    """One mission while it is under way.
+
+    Args:
+        robot: its numbers.
+        world: the map.
+        book: skills.
+        stance: how the robot stands.
+        goal: cell of the map.
+        log: what is told.
+        events: what will happen.
+        limits: of online programs.
+        delays_s: added to what planning takes, one after another.
+        most_segments: the mission is given up after so many.
+    """
+
+    def __init__(
+        self,
+        robot: Quadruped,
+        world: World,
+        book: SkillBook,
+        stance: Stance,
+        goal: Cell,
+        log: Log,
+        *,
+        events: Sequence[Event] = (),
+        limits: OnlineLimits | None = None,
+        delays_s: Sequence[float] = (0.0,),
+        most_segments: int = 10_000,
+    ) -> None:
+        self.robot, self.world, self.book, self.stance, self.goal, self.log = robot, world, book, stance, goal, log
+        self.waiting = list(events)
+        self.limits = limits or OnlineLimits()
+        self.delays_s, self.most_segments = delays_s, most_segments
+        self.tally, self.clock = Tally(), Clock()
+        self.failed: set[Edge] = set()
+        self.lost: set[Edge] = set()
+        self.segments: list[Segment] = []
+        self.requests = 0
+        self.checking_s = 0.0
+
+    def run(self) -> str:
+        """Walk; return why the mission ended, empty if the goal was reached."""
+        while self.stance.cell != self.goal:
+            if len(self.segments) >= self.most_segments:
+                return f"the limit of {self.most_segments} segments was reached"
+            problem = self._next_request()
+            if problem:
+                return problem
+        return ""
+
+    def _next_request(self) -> str:
+        """Choose a way point, find a strategy, and roll it out; return why there is nothing to do, if so."""
+        self._happen()
+        cell, turns = self.stance.cell, self.stance.quarter_turns
+        state = self.world.state(cell, turns)
+        if state is None:
+            return "the robot's own cell has become an obstacle"
+        closed, refused = self.failed | self.lost, self.book.knowledge.refused
+        routes = Routes(self.world, self.goal, turns, refused, closed, self.book.turning)
+        route = routes.route(cell)
+        if route is None:
+            return "no way leads to the goal: the global planner knows none that is not blocked or refused"
+        for local in routes.wishes(cell, state, self.world.terrain.requests):
+            found = self._strategy(state, local, route)
+            if found is not None:
+                self._roll_out(state, found)
+                return ""
+        self._give_up(state)
+        return ""
+
+    def _give_up(self, state: TerrainState) -> None:
+        """Stand, and ask the global planner for another way: no request from here that leads on has a strategy."""
+        grid, turning = (state.rows, state.columns), self.book.turning
+        headings = range(1 if turning is None else 4)
+        ways = [(h, after) for h in headings for _, after in moves_from(state, (state.centre, h), turning)]
+        here = self._pose
+        closed = [
+            (pose_on_map(here, (state.centre, h), grid), pose_on_map(here, after, grid))
+            for h, after in ways
+            if after[0] != state.centre
+        ]
+        self.lost |= set(closed)
+        self.tally.detours += 1
+        self.log.write("detour", cell=self.stance.cell, given_up=[[one[0], other[0]] for one, other in closed])
+
+    @property
+    def _pose(self) -> Pose:
+        return self.stance.cell, self.stance.quarter_turns
+
+    def _strategy(self, state: TerrainState, local: Cell, route: Sequence[Cell]) -> Strategy | None:
+        """Look a strategy up, or have one made; None where there is none."""
+        grid = (state.rows, state.columns)
+        edges = [
+            (a, b)
+            for one, other in sorted(self.failed)
+            if (a := pose_in_grid(self._pose, one, grid)) is not None
+            and (b := pose_in_grid(self._pose, other, grid)) is not None
+        ]
+        handled = self.book.strategy(state, local, edges)
+        self._count(handled)
+        self.log.request(self.requests, self.stance, state, local, route, edges, handled, self.book.new_plans)
+        self.requests += 1
+        return handled.ways if handled.winning else None
+
+    def _count(self, handled: Handled) -> None:
+        if handled.source == "library":
+            return
+        self.tally.repairs += 1
+        self.tally.new_skills += len(handled.answer.new)
+        times = self.tally.repair_ms if handled.checked else self.tally.resynthesis_ms
+        times.append(handled.symbolic_ms)
+        physics_s = sum(one.time_s for one in handled.checked)
+        self.checking_s += physics_s
+        self.clock = self.clock.planned(1e-3 * handled.symbolic_ms + physics_s)
+
+    def _roll_out(self, state: TerrainState, strategy: Strategy) -> None:
+        """Follow a strategy until its request is reached, or something stands in its way."""
+        looked, grid = self._pose, (state.rows, state.columns)
+        local: Pose = (state.centre, 0)
+        while (way := strategy[local]) is not None and self.stance.cell != self.goal:
+            if self._happen() and not self._holds(state, looked, local):
+                return
+            steps = {primitive.direction: (primitive, after) for primitive, after in self._ways(state, local)}
+            primitive, after = steps[way]
+            if not self._advance(pose_on_map(looked, after, grid), primitive, (local, after)):
+                return
+            local = after
+
+    def _ways(self, state: TerrainState, local: Pose) -> Iterator[tuple[Primitive, Pose]]:
+        return moves_from(state, local, self.book.turning)
+
+    def _holds(self, state: TerrainState, looked: Pose, local: Pose) -> bool:
+        """Return whether what the strategy assumes still holds: the classes, and where the robot is."""
+        expected = pose_on_map(looked, local, (state.rows, state.columns))
+        if self._pose != expected:
+            return self._violated("post", f"the robot is in {self.stance.cell}, not in {expected[0]}")
+        now = self.world.state(*looked)
+        if now == state:
+            return True
+        changed = [cell for cell in state.cells() if now is None or now.label(cell) != state.label(cell)]
+        appeared = [cell for cell in changed if now is None or now.label(cell) == OBSTACLE]
+        what = "an obstacle appeared" if appeared else "the terrain changed"
+        return self._violated("obstacle" if appeared else "terrain", f"{what} in {changed} of the local grid")
+
+    def _violated(self, assumption: str, text: str) -> bool:
+        self.tally.violations += 1
+        self.log.write("violation", assumption=assumption, text=text, cell=self.stance.cell)
+        return False
+
+    def _happen(self) -> bool:
+        """Let happen what is due; return whether anything did."""
+        due = [one for one in self.waiting if one.due(len(self.segments), self.clock.planner_s)]
+        for event in due:
+            self.waiting.remove(event)
+            self._apply(event)
+        return bool(due)
+
+    def _apply(self, event: Event) -> None:
+        if event.what is Happening.OBSTACLE and event.area is not None:
+            self.world = self.world.with_obstacle(event.area)
+        elif event.what is Happening.HOLE and event.area is not None:
+            self.world = self.world.without_ground(event.area)
+        landed = self._pushed(event) if event.push_m is not None else None
+        self.log.event(event, len(self.segments), landed)
+        self.stance = landed or self.stance
+        self.lost.clear()
+
+    def _pushed(self, event: Event) -> Stance | None:
+        """Return how the robot stands after a push; None where it cannot, so that nothing moves."""
+        assert event.push_m is not None
+        x, y = (float(self.stance.base_m[k]) + event.push_m[k] for k in (0, 1))
+        return stance_about(self.robot, self.world, (x, y), self.stance.quarter_turns)
+
+    def _advance(self, target: Pose, primitive: Primitive, move: tuple[Pose, Pose]) -> bool:
+        """Plan the motion of one transition and have it walked; return whether there is one.
+
+        Certificates begin in a re-targeted pose. A motion may end with its feet far from theirs; where the next program
+        fails for that reason, the robot settles first.
+        """
+        certificate = self.book.certificate(primitive)
+        begin_s = self.clock.planner_s
+        crossed = self._planned(target, certificate)
+        if crossed.infeasible and self._settled(begin_s):
+            begin_s = self.clock.planner_s
+            crossed = self._planned(target, certificate)
+        if crossed.infeasible:
+            self.tally.contradictions += 1
+            crossed = self._with_another_gait(target, certificate) or crossed
+        if crossed.reason:
+            self._fail(target, primitive, move, crossed)
+            return False
+        self._send(crossed, begin_s, target, primitive, move)
+        return True
+
+    def _planned(self, target: Pose, certificate: Certificate) -> Crossed:
+        """Solve the program of a transition, and let the time pass that it took."""
+        turned = (target[1] - self.stance.quarter_turns + 1) % 4 - 1
+        heading = self.stance.quarter_turns + turned
+        problem = crossing(self.robot, self.world, self.stance, target[0], heading, certificate.gait, self.limits)
+        crossed = cross(problem, certificate, self.limits)
+        delay_s = delay_of(self.delays_s, len(self.segments))
+        self.clock = self.clock.planned(1e-3 * (crossed.retarget_ms + crossed.solve_ms) + delay_s)
+        self.tally.crossed.append(crossed)
+        return crossed
+
+    def _with_another_gait(self, target: Pose, certificate: Certificate) -> Crossed | None:
+        """Return a motion in a gait that the certificate does not have; None where none of the known ones does it."""
+        for name in OTHER_GAITS:
+            if NAMED[name] != certificate.gait:
+                crossed = self._planned(target, Certificate(NAMED[name], np.zeros((0, 3)), ()))
+                if not crossed.reason:
+                    self.tally.other_gaits += 1
+                    return crossed
+        return None
+
+    def _settled(self, begin_s: float) -> bool:
+        """Step in place until the feet are where they should be; return whether that was of any use."""
+        settling = self._planned(self._pose, Certificate(SETTLING, np.zeros((0, 3)), ()))
+        if settling.reason or settling.solution is None or settling.solution.plan is None:
+            return False
+        moved_m = float(np.abs(settling.solution.plan.feet_m[-1] - self.stance.feet_m).max())
+        if moved_m < _SETTLED_M:
+            return False
+        self.tally.settled += 1
+        self._send(settling, begin_s, self._pose, None, None)
+        return True
+
+    def _send(
+        self,
+        crossed: Crossed,
+        begin_s: float,
+        target: Pose,
+        primitive: Primitive | None,
+        move: tuple[Pose, Pose] | None,
+    ) -> None:
+        """Send a motion to whoever tracks it; the robot will stand at its end."""
+        assert crossed.solution is not None
+        assert crossed.solution.plan is not None
+        plan = crossed.solution.plan
+        slot, self.clock = self.clock.walked(begin_s, crossed.problem.gait.horizon_s)
+        self.tally.slots.append(slot)
+        self.tally.idle_for_checks_s += min(slot.idle_s, self.checking_s)
+        self.checking_s = 0.0
+        segment = Segment(len(self.segments), crossed.problem, plan, slot.start_s)
+        self.segments.append(segment)
+        self.log.segment(segment, crossed, slot, self.stance, target, primitive, move)
+        self.stance = Stance(*target, plan.base_m[-1], plan.feet_m[-1])
+
+    def _fail(self, target: Pose, primitive: Primitive, move: tuple[Pose, Pose], crossed: Crossed) -> None:
+        """Disallow a transition on this ground; its class may be feasible elsewhere."""
+        self.tally.limits += not crossed.infeasible
+        self.failed.add((self._pose, target))
+        self.log.failed(self.stance, target, primitive, move, crossed)

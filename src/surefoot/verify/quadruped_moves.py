@@ -1,0 +1,172 @@
+"""Follows the automaton of a quadruped's run: every request's strategy, and every move that a segment makes."""
+
+from __future__ import annotations
+
+from surefoot.compute import sha256_of
+from surefoot.verify.findings import Ledger
+from surefoot.verify.footholds import check_footholds
+from surefoot.verify.quadruped_file import Cell, QuadrupedRun
+from surefoot.verify.skill_plans import WAYS
+from surefoot.verify.values import Fields
+
+Labels = tuple[tuple[str, ...], ...]
+Pose = tuple[Cell, int]
+OBSTACLE = "obstacle"
+TURNS = {"turn-left": 1, "turn-right": -1}
+"""The change of heading in quarter turns, counter-clockwise."""
+
+
+def on_map(cell: Cell, offset: Cell, quarter_turns: int) -> Cell:
+    """Return the cell of the map at an offset (rows, columns) as a robot in a cell with a heading sees it."""
+    row, column = offset
+    turned = ((row, column), (-column, row), (-row, -column), (column, -row))[quarter_turns % 4]
+    return cell[0] + turned[0], cell[1] + turned[1]
+
+
+class Automaton:
+    """The strategy in force, and where the robot is in it.
+
+    Args:
+        run: as it was read.
+        ledger: takes the findings.
+        grid: rows and columns of a local grid.
+    """
+
+    def __init__(self, run: QuadrupedRun, ledger: Ledger, grid: Cell) -> None:
+        self.run, self.ledger, self.grid = run, ledger, grid
+        checks = () if run.library is None else run.library.mappings("checks")
+        self.certified = {one.text("primitive") for one in checks if one.text("verdict") == "feasible"}
+        self.requests = 0
+        self.labels: Labels = ()
+        self.turned: dict[str, str] | None = None
+        if run.library is not None and run.library.has("headings"):
+            names = run.library.mapping("headings").mapping("turned")
+            self.turned = {name: names.text(name) for name in names.values}
+        self.strategy: dict[Pose, str | None] = {}
+        self.local: Pose | None = None
+        self.lost: set[tuple[Pose, Pose]] = set()
+
+    def _refuse(self, rule: str, message: str, place: str) -> None:
+        self.ledger.refuse(f"quadruped, {rule}", message, place)
+
+    def request(self, record: Fields, place: str, cell: Cell, turns: int) -> Labels:
+        """Take over the strategy of a request, after following it from where the robot is."""
+        self.requests += 1
+        self.labels = self._labels(record)
+        if record.cell("cell") != cell or record.whole("quarter_turns") % 4 != turns % 4:
+            self._refuse("request", f"is made in another place than {cell}, where the robot is", place)
+        for new in record.mappings("new"):
+            self._certify(new, place)
+        self.strategy = dict(self._row(record, row) for row in record.items("strategy"))
+        self.local = None
+        if record.text("outcome") in ("realizable", "repaired"):
+            self.local = (self.grid[0] // 2, self.grid[1] // 2), 0
+            self._follow(record.cell("request"), (cell, turns), place)
+        return self.labels
+
+    def _row(self, record: Fields, row: object) -> tuple[Pose, str | None]:
+        """Return a row of a strategy: cell and way, or cell, heading and way."""
+        if isinstance(row, list) and len(row) in (3, 4) and (row[-1] is None or row[-1] in (*WAYS, *TURNS)):
+            return ((row[0], row[1]), row[2] if len(row) == 4 else 0), row[-1]
+        ways = ", ".join((*WAYS, *TURNS))
+        raise record.wrong("strategy", f"has to be a list of [row, column, (heading,) one of {ways} or null]")
+
+    def _labels(self, record: Fields) -> Labels:
+        rows = record.items("labels")
+        if len(rows) != self.grid[0] or not all(isinstance(row, list) and len(row) == self.grid[1] for row in rows):
+            raise record.wrong("labels", f"has to be a grid of {self.grid[0]} x {self.grid[1]}")
+        return tuple(tuple(map(str, row)) for row in rows if isinstance(row, list))
+
+    def _certify(self, new: Fields, place: str) -> None:
+        """Add a skill that was found on the way, if its certificate holds."""
+        named = new.mapping("plan")
+        path = self.run.folder / named.text("path")
+        if not path.resolve().is_relative_to(self.run.folder.resolve()) or not path.is_file():
+            raise named.wrong("path", "has to be a file inside the run folder")
+        ledger = Ledger()
+        check_footholds(path, ledger)
+        if sha256_of(path) != named.text("sha256") or ledger.total or ledger.counts.get("verdict") != "feasible":
+            self._refuse("skill", f"the certificate of {new.text('primitive')} does not hold", place)
+        else:
+            self.certified.add(new.text("primitive"))
+
+    def _label(self, cell: Cell) -> str:
+        inside = 0 <= cell[0] < self.grid[0] and 0 <= cell[1] < self.grid[1]
+        return self.labels[cell[0]][cell[1]] if inside else OBSTACLE
+
+    def _follow(self, request: Cell, looked: Pose, place: str) -> None:
+        """Check that a strategy comes to its request by certified moves, none of which has failed here."""
+        local = self.local
+        assert local is not None
+        for _ in range(4 * self.grid[0] * self.grid[1]):
+            way = self.strategy.get(local, "missing")
+            if way is None or way == "missing":
+                break
+            after = _after(local, way)
+            self._check_move(local, after, way, looked, place)
+            local = after
+        if local[0] != request or self.strategy.get(local, "missing") is not None:
+            self._refuse("strategy", f"does not come to {request} and stay there", place)
+
+    def _primitive(self, local: Pose, after: Pose, way: str) -> str:
+        return f"{way} {self._seen(local)}->{self._seen(after)}"
+
+    def _seen(self, local: Pose) -> str:
+        """Return the class of a cell as a robot with a heading in the grid sees it."""
+        label = self._label(local[0])
+        return self.turned.get(label, label) if self.turned is not None and local[1] % 2 else label
+
+    def _check_move(self, local: Pose, after: Pose, way: str, looked: Pose, place: str) -> None:
+        primitive = self._primitive(local, after, way)
+        if OBSTACLE in (self._label(local[0]), self._label(after[0])):
+            self._refuse("strategy", f"goes {way} from {local[0]}, out of the grid or into an obstacle", place)
+        elif primitive not in self.certified:
+            self._refuse("strategy", f"goes {way} from {local[0]}, and {primitive} is no certified skill", place)
+        ends = self._on_map(looked, local), self._on_map(looked, after)
+        if ends in self.lost:
+            self._refuse("disallowed", f"goes from {ends[0][0]} to {ends[1][0]}, which has failed in this run", place)
+
+    def _on_map(self, looked: Pose, local: Pose) -> Pose:
+        offset = local[0][0] - self.grid[0] // 2, local[0][1] - self.grid[1] // 2
+        return on_map(looked[0], offset, looked[1]), (looked[1] + local[1]) % 4
+
+    def failed(self, record: Fields) -> None:
+        """Remember a move that failed: it must not be asked for again, and its strategy is over."""
+        here, there = record.cells("cells")
+        before, after = record.wholes("quarter_turns", 2)
+        self.lost.add(((here, before % 4), (there, after % 4)))
+        self.local = None
+
+    def interrupted(self) -> None:
+        """Drop the strategy when the robot finds itself elsewhere: it may not be followed any more."""
+        self.local = None
+
+    def move(self, record: Fields, place: str, here: Cell, there: Cell, turns: int) -> int:
+        """Check that a segment does what the strategy says; return the heading after it."""
+        before, after_turns = record.wholes("quarter_turns", 2)
+        if before % 4 != turns % 4:
+            self._refuse("heading", f"begins with {before} quarter turns, but the robot has {turns}", place)
+        if record.get("primitive") is None:
+            if (here, before) != (there, after_turns):
+                self._refuse("move", f"goes from {here} to {there}, or turns, without a skill", place)
+            return turns
+        primitive = record.text("primitive")
+        local, after = record.cells("move")
+        way = None if self.local is None else self.strategy.get(self.local)
+        if self.local is None or way is None or local != self.local[0] or _after(self.local, way)[0] != after:
+            self._refuse("move", f"{primitive} is not what the strategy does here", place)
+            return after_turns % 4
+        target = _after(self.local, way)
+        if primitive != self._primitive(self.local, target, way):
+            self._refuse("move", f"{primitive} is not the move from {local} {way}", place)
+        if _after((here, turns % 4), way) != (there, after_turns % 4):
+            self._refuse("move", f"goes from {here} to {there}, which is not {way}", place)
+        self.local = target
+        return after_turns % 4
+
+
+def _after(local: Pose, way: str) -> Pose:
+    cell, heading = local
+    if way in TURNS:
+        return cell, (heading + TURNS[way]) % 4
+    return on_map(cell, WAYS[way], heading), heading

@@ -1,0 +1,196 @@
+"""Missions of a quadruped on a small field: the library, the runtime repair, events, delays, bad input."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from quadruped_field import make_field, records, surefoot, walked
+from surefoot.errors import InputError
+
+KEYS = {
+    "reached", "transitions", "repairs", "resynthesis_ms", "contradictions", "idle_s", "solve_ms_mean", "solve_ms_p95",
+    "verified",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def field(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make_field(tmp_path_factory.mktemp("field"))
+
+
+def events(path: Path, *lines: str) -> Path:
+    path.write_text("format: 1\nkind: quadruped-events\nevents:\n" + "".join(f"- {line}\n" for line in lines))
+    return path
+
+
+def test_the_library_meets_the_real_polygons(field: Path, tmp_path: Path) -> None:
+    answer = walked(field, tmp_path / "run")
+    assert answer.keys() >= KEYS
+    assert answer["reached"]
+    assert answer["verified"], answer["findings"]
+    assert answer["transitions"] == 3
+    assert answer["contradictions"] == 0
+    assert answer["idle_s"] == 0
+    assert {one["source"] for one in records(tmp_path / "run", "request")} == {"library"}
+    assert len(list((tmp_path / "run" / "plans").iterdir())) == 3
+
+
+def test_the_same_inputs_walk_the_same_way(field: Path, tmp_path: Path) -> None:
+    for name in "ab":
+        walked(field, tmp_path / name)
+    first, second = ([one["plan"]["path"] for one in records(tmp_path / name, "segment")] for name in "ab")
+    assert first == second
+    moves = [[(one["cells"], one["primitive"]) for one in records(tmp_path / name, "segment")] for name in "ab"]
+    assert moves[0] == moves[1]
+
+
+def test_without_a_library_the_runtime_repair_finds_what_is_needed(field: Path, tmp_path: Path) -> None:
+    answer = walked(field, tmp_path / "run", library=False)
+    assert answer["reached"]
+    assert answer["verified"], answer["findings"]
+    assert answer["repairs"] > 0
+    assert answer["new_skills"] > 0
+    new = [skill for one in records(tmp_path / "run", "request") for skill in one["new"]]
+    assert all((tmp_path / "run" / skill["plan"]["path"]).is_file() for skill in new)
+
+
+def test_an_obstacle_that_appears_leads_around(field: Path, tmp_path: Path) -> None:
+    file = events(tmp_path / "events.yaml", "{at_segment: 1, obstacle_m: [[1.8, 1.0], [2.2, 1.4]]}")
+    answer = walked(field, tmp_path / "run", "--events", file)
+    assert answer["reached"]
+    assert answer["verified"], answer["findings"]
+    assert answer["repairs"] > 0
+    assert answer["new_skills"] == 0
+    cells = [one["cells"][1] for one in records(tmp_path / "run", "segment")]
+    assert [1, 1] not in cells
+    assert cells[-1] == [0, 1]
+
+
+def test_a_wall_that_appears_is_a_reason_to_stop(field: Path, tmp_path: Path) -> None:
+    file = events(tmp_path / "events.yaml", "{at_segment: 1, obstacle_m: [[1.7, 0.0], [2.3, 2.4]]}")
+    answer = walked(field, tmp_path / "run", "--events", file)
+    assert not answer["reached"]
+    assert "no way" in answer["why_not"]
+    assert answer["verified"], answer["findings"]
+
+
+def test_ground_that_goes_and_a_push_break_assumptions(field: Path, tmp_path: Path) -> None:
+    file = events(
+        tmp_path / "events.yaml",
+        "{at_segment: 1, hole_m: [[1.61, 0.81], [2.39, 1.59]]}",
+        "{at_segment: 2, push_m: [-0.6, 0.0]}",
+    )
+    answer = walked(field, tmp_path / "run", "--events", file)
+    assert answer["reached"]
+    assert answer["verified"], answer["findings"]
+    assert [one["event"] for one in records(tmp_path / "run", "event")][1]["push_m"] == [-0.6, 0.0]
+    assert answer["transitions"] > 3
+
+
+def test_a_program_that_fails_disallows_its_move_on_this_ground_only(field: Path, tmp_path: Path) -> None:
+    from surefoot.missions.quadruped import QuadrupedOrder, walk_quadruped
+    from surefoot.missions.quadruped_crossing import OnlineLimits
+
+    order = QuadrupedOrder(field / "field.yaml", field / "library", limits=OnlineLimits(time_limit_s=0.0))
+    walk, answer = walk_quadruped(order, tmp_path / "run")
+    assert not answer.reached
+    assert answer.limits > 0
+    assert answer.contradictions == 0
+    assert walk.book.knowledge.refused == {}
+    failed = {tuple(map(tuple, one["cells"])) for one in records(tmp_path / "run", "failed")}
+    assert failed == {(before[0], after[0]) for before, after in walk.failed}
+    assert answer.verified, answer.findings
+
+
+def test_delays_make_the_robot_wait(field: Path, tmp_path: Path) -> None:
+    answer = walked(field, tmp_path / "run", "--delay", "0,0,4")
+    slots = records(tmp_path / "run", "segment")
+    assert answer["reached"]
+    assert answer["verified"], answer["findings"]
+    assert answer["idle_s"] == pytest.approx(sum(one["idle_s"] for one in slots))
+    assert [one["idle_s"] > 0 for one in slots] == [False, False, True]
+    assert slots[2]["idle_s"] == pytest.approx(4 - (slots[1]["end_s"] - slots[1]["start_s"]), abs=1.0)
+
+
+def test_a_robot_that_only_walks_ahead_turns(tmp_path: Path) -> None:
+    plate = "[[0, 0, 0], [0.8, 0, 0], [0.8, 2.4, 0], [0, 2.4, 0]]"
+    head = "format: 1\nkind: quadruped-terrain\nclasses: unstructured-4\norigin_m: [0, 0]\ncells: [1, 3]\n"
+    file = tmp_path / "row.yaml"
+    file.write_text(
+        f"{head}yaw: true\ndirections: [forward]\nstart_m: [0.4, 0.4]\ngoal_m: [0.4, 2.0]\n"
+        f"polygons:\n  - vertices_m: {plate}\n"
+    )
+    _, said = surefoot("run", file, "-o", tmp_path / "run", "--json")
+    answer = json.loads(said)
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    done = [one["primitive"] for one in records(tmp_path / "run", "segment") if one["primitive"]]
+    assert done == ["turn-left flat->flat", "forward flat->flat", "forward flat->flat"]
+    assert records(tmp_path / "run", "segment")[-1]["quarter_turns"] == [1, 1]
+
+
+def test_a_scan_becomes_a_mission(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    x = (np.arange(120) + 0.5) * 0.02
+    heights = np.where(x > 1.6, 0.12, 0.0) + rng.normal(0, 0.004, (40, 120))
+    heights[:2, :3] = np.nan
+    np.save(tmp_path / "scan.npy", heights)
+    surefoot("terrain", "segment", tmp_path / "scan.npy", "--resolution", 0.02, "-o", tmp_path / "scan.json")
+    (tmp_path / "scan.yaml").write_text(
+        "format: 1\nkind: quadruped-terrain\nclasses: unstructured-8\npolygons: scan.json\norigin_m: [0, 0]\n"
+        "cells: [3, 1]\n"
+    )
+    ends = ("--start", "0.4,0.4", "--goal", "2.0,0.4")
+    _, said = surefoot("run", tmp_path / "scan.yaml", *ends, "-o", tmp_path / "run", "--json")
+    answer = json.loads(said)
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    assert "forward flat->high" in {one["primitive"] for one in records(tmp_path / "run", "segment")}
+    assert answer["binaries_mean"] > 100
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--goal", "9,9"], "outside of the map"),
+        (["--goal", "here"], "X,Y"),
+        (["--delay", "-1"], "seconds"),
+        (["--steps", "5"], "biped"),
+        (["--events", "field.yaml"], "events"),
+    ],
+)
+def test_bad_input_is_refused_with_a_sentence(field: Path, tmp_path: Path, options: list[str], message: str) -> None:
+    given = [str(field / "field.yaml") if one == "field.yaml" else one for one in options]
+    with pytest.raises(InputError, match=message):
+        surefoot("run", field / "field.yaml", "--library", field / "library", "-o", tmp_path / "run", *given)
+
+
+def test_options_of_a_quadruped_are_none_of_a_biped(tmp_path: Path) -> None:
+    scenario = tmp_path / "biped.yaml"
+    scenario.write_text("format: 1\nkind: biped\n")
+    with pytest.raises(InputError, match="quadruped"):
+        surefoot("run", scenario, "--goal", "1,1")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "{at_segment: 1}",
+        "{at_segment: 1.5, push_m: [0, 0]}",
+        "{at_segment: 1, at_s: 2, push_m: [0, 0]}",
+        "{at_s: -1, push_m: [0, 0]}",
+        "{at_s: 1, push_m: [0]}",
+        "{at_s: 1, obstacle_m: [[1, 1], [0, 2]]}",
+        "{at_s: 1, hole_m: [[1, 1], [.nan, 2]]}",
+        "5",
+    ],
+)
+def test_events_are_checked(field: Path, tmp_path: Path, line: str) -> None:
+    file = events(tmp_path / "events.yaml", line)
+    with pytest.raises(InputError, match="needs"):
+        walked(field, tmp_path / "run", "--events", file)
+    assert not (tmp_path / "run").exists()

@@ -1,0 +1,223 @@
+"""The checker of a quadruped's run: honest runs are accepted, doctored ones refused with the rule that they break."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from quadruped_field import doctored, make_field, records, walked
+from surefoot.errors import InputError
+from surefoot.verify import verify_path
+
+Record = dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with field, library and a run in which an obstacle appears and the robot is pushed."""
+    folder = make_field(tmp_path_factory.mktemp("honest"))
+    (folder / "events.yaml").write_text(
+        "format: 1\nkind: quadruped-events\nevents:\n"
+        "- {at_segment: 1, obstacle_m: [[1.8, 1.0], [2.2, 1.4]]}\n- {at_segment: 2, push_m: [0.0, 0.1]}\n"
+    )
+    walked(folder, folder / "run", "--events", folder / "events.yaml")
+    return folder
+
+
+@pytest.fixture
+def run(honest: Path, tmp_path: Path) -> Path:
+    copy = tmp_path / "copy"
+    shutil.copytree(honest, copy)
+    return copy / "run"
+
+
+def rules(run: Path) -> set[str]:
+    return {finding.rule for finding in verify_path(run).findings}
+
+
+def test_an_honest_run_is_accepted(honest: Path) -> None:
+    report = verify_path(honest / "run")
+    assert report.kind == "quadruped-run"
+    assert report.accepted, report.findings
+    assert report.counts["reached"]
+
+
+def _other_primitive(one: Record) -> None:
+    one["primitive"] = "forward dense->dense"
+
+
+def _other_cells(one: Record) -> None:
+    one["cells"] = [one["cells"][0], [one["cells"][1][0], one["cells"][1][1] + 1]]
+
+
+def _earlier(one: Record) -> None:
+    one["start_s"] -= 1.0
+    one["end_s"] -= 1.0
+
+
+def _never_idle(one: Record) -> None:
+    one["idle_s"] = 5.0
+
+
+def _renumbered(one: Record) -> None:
+    one["number"] += 1
+
+
+@pytest.mark.parametrize(
+    ("change", "rule"),
+    [
+        (_other_primitive, "quadruped, move"),
+        (_other_cells, "quadruped, move"),
+        (_earlier, "quadruped, time"),
+        (_never_idle, "quadruped, time"),
+        (_renumbered, "quadruped, segment"),
+    ],
+)
+def test_doctored_segments_are_refused(run: Path, change: Callable[[Record], None], rule: str) -> None:
+    doctored(run, "segment", 1, change)
+    assert rule in rules(run)
+
+
+def test_a_segment_that_is_left_out_breaks_continuity(run: Path) -> None:
+    path = run / "run.jsonl"
+    lines = path.read_text().splitlines()
+    at = next(k for k, line in enumerate(lines) if '"record": "segment"' in line)
+    path.write_text("\n".join(lines[:at] + lines[at + 1 :]) + "\n")
+    assert "quadruped, continuity" in rules(run)
+
+
+def _changed_plan(run: Path, number: int, change: Callable[[Record], None], *, honest_hash: bool) -> None:
+    path = run / "plans" / f"segment-{number:04}.json"
+    plan = json.loads(path.read_text())
+    change(plan)
+    path.write_text(json.dumps(plan))
+
+    def rehash(one: Record) -> None:
+        one["plan"]["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
+
+    if honest_hash:
+        doctored(run, "segment", number, rehash)
+
+
+def _slipped(plan: Record) -> None:
+    plan["motion"]["feet_m"][-1][0][0] += 0.05
+
+
+def _slippery(plan: Record) -> None:
+    for one in plan["values"]["polygons"]:
+        one["friction"] = 0.9
+
+
+def _invented(plan: Record) -> None:
+    for one in plan["values"]["polygons"]:
+        middle = [sum(vertex[k] for vertex in one["vertices_m"]) / len(one["vertices_m"]) for k in (0, 1)]
+        one["vertices_m"] = [
+            [middle[0] + 1.2 * (x - middle[0]), middle[1] + 1.2 * (y - middle[1]), z] for x, y, z in one["vertices_m"]
+        ]
+
+
+def _stronger(plan: Record) -> None:
+    plan["values"]["robot"]["foot_reach_m"] = [0.3, 0.3, 0.3]
+
+
+@pytest.mark.parametrize(
+    ("change", "rule"),
+    [
+        (_slipped, "quadruped, plan"),
+        (_slippery, "quadruped, foothold"),
+        (_invented, "quadruped, foothold"),
+        (_stronger, "quadruped, robot"),
+    ],
+)
+def test_doctored_plans_are_refused(run: Path, change: Callable[[Record], None], rule: str) -> None:
+    _changed_plan(run, 0, change, honest_hash=True)
+    assert rule in rules(run)
+
+
+def test_a_plan_that_changed_is_noticed(run: Path) -> None:
+    _changed_plan(run, 0, lambda plan: plan.update(made="later"), honest_hash=False)
+    assert "quadruped, plan" in rules(run)
+
+
+def test_an_uncertified_skill_is_refused(run: Path) -> None:
+    path = run.parent / "library" / "library.json"
+    library = json.loads(path.read_text())
+    for check in library["checks"]:
+        check["verdict"] = "infeasible"
+    path.write_text(json.dumps(library))
+
+    def rehash(one: Record) -> None:
+        one["library"]["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
+
+    doctored(run, "header", 0, rehash)
+    assert "quadruped, strategy" in rules(run)
+
+
+def test_a_strategy_through_an_obstacle_is_refused(run: Path) -> None:
+    def blind(one: Record) -> None:
+        one["labels"] = [["flat"] * 3 for _ in range(3)]
+
+    doctored(run, "request", -1, blind)
+    assert "quadruped, labels" in rules(run)
+
+
+def test_a_move_that_failed_may_not_be_made_again(run: Path) -> None:
+    path = run / "run.jsonl"
+    lines = path.read_text().splitlines()
+    requests = [k for k, line in enumerate(lines) if '"record": "request"' in line]
+    cells = records(run, "segment")[-1]["cells"]
+    failed = {"record": "failed", "primitive": "forward flat->flat", "move": [[1, 1], [0, 1]], "cells": cells}
+    failed["quarter_turns"] = [0, 0]
+    lines.insert(requests[0], json.dumps(failed))
+    path.write_text("\n".join(lines) + "\n")
+    assert "quadruped, disallowed" in rules(run)
+
+
+def test_claims_about_the_end_are_checked(run: Path) -> None:
+    doctored(run, "end", 0, lambda one: one.update(reached=False))
+    assert rules(run) == {"quadruped, end"}
+    path = run / "run.jsonl"
+    path.write_text("\n".join(path.read_text().splitlines()[:-1]) + "\n")
+    assert rules(run) == {"quadruped, end"}
+
+
+def test_ground_that_was_never_there_is_refused(run: Path) -> None:
+    def elsewhere(one: Record) -> None:
+        one["start"]["feet_m"][0][2] += 0.1
+
+    doctored(run, "header", 0, elsewhere)
+    assert {"quadruped, foothold", "quadruped, continuity"} <= rules(run)
+
+
+def test_another_terrain_is_refused(run: Path) -> None:
+    with (run.parent / "field.yaml").open("a") as stream:
+        stream.write("# changed\n")
+    with pytest.raises(InputError, match="another version"):
+        verify_path(run)
+
+
+@pytest.mark.parametrize("text", ["", "{}", '{"record": "header", "kind": "quadruped-run", "format": 2}', "[1]"])
+def test_broken_logs_are_bad_input(tmp_path: Path, text: str) -> None:
+    (tmp_path / "run.jsonl").write_text(text + "\n")
+    with pytest.raises(InputError):
+        verify_path(tmp_path)
+
+
+@pytest.mark.parametrize("value", [None, "text", [[1]]])
+def test_arbitrary_damage_never_crashes_the_checker(run: Path, value: object) -> None:
+    path = run / "run.jsonl"
+    lines = path.read_text().splitlines()[:3]
+    for number, line in enumerate(lines):
+        record = json.loads(line)
+        for key in record:
+            damaged = [*lines[:number], json.dumps({**record, key: value}), *lines[number + 1 :]]
+            path.write_text("\n".join(damaged) + "\n")
+            with contextlib.suppress(InputError):
+                assert not verify_path(run).accepted
