@@ -73,14 +73,9 @@ class World:
         left = tuple(piece for one in terrain.polygons for piece in cut(one, hole))
         if not left:
             raise InputError("nothing to stand on would be left")
-        changed = replace(terrain, polygons=left)
         near = hole.shrunk(-WINDOW_M - terrain.cell_m)
-        known = {
-            cell: changed.ground.measure(changed.square_m(cell)) if overlap(changed.square_m(cell), near) else measured
-            for cell, measured in terrain.measured.items()
-        }
-        changed.__dict__["measured"] = known  # fills the cached property: only cells nearby are measured again
-        return World(changed, self.obstacles)
+        untouched = [cell for cell in terrain.measured if not overlap(terrain.square_m(cell), near)]
+        return World(terrain.with_polygons(left, untouched), self.obstacles)
 
     def with_obstacle(self, box: Rectangle) -> World:
         """Return the world with something that stands on a rectangle."""

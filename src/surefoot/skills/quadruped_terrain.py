@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -64,6 +65,17 @@ class QuadrupedTerrain:
         """The measures of every cell of the map."""
         rows, columns = self.cells
         return {(r, c): self.ground.measure(self.square_m((r, c))) for r in range(rows) for c in range(columns)}
+
+    def with_polygons(self, polygons: tuple[Polygon, ...], untouched: Iterable[Cell]) -> QuadrupedTerrain:
+        """Return the terrain with other polygons; the measures of cells around which nothing changed are kept."""
+        changed = replace(self, polygons=polygons)
+        kept = {cell: self.measured[cell] for cell in untouched}
+        measured = {
+            cell: kept[cell] if cell in kept else changed.ground.measure(changed.square_m(cell))
+            for cell in self.measured
+        }
+        vars(changed)["measured"] = measured  # the cached property
+        return changed
 
     def centre_m(self, cell: Cell) -> Point:
         """Return the centre of a cell of the map."""
