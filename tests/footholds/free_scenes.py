@@ -10,10 +10,10 @@ from surefoot.footholds import FreeGait, Options, Problem
 from surefoot.footholds.free_families import free_problem_of
 
 
-def leap(gap: float = 0.99, time_limit_s: float = 60.0) -> Problem:
+def leap() -> Problem:
     """Return a gap leap of a second, for which any plan will do."""
     problem = free_problem_of("gap-leap", 3)
-    options = replace(problem.options, gap=gap, time_limit_s=time_limit_s)
+    options = replace(problem.options, first_plan=True, time_limit_s=60.0)
     return replace(problem, gait=FreeGait(1.0), options=options)
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,6 +32,8 @@ from surefoot.footholds.templates import first_templates, templates
 from surefoot.footholds.terrain import polygon
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds import check_footholds
+from surefoot.verify.footholds_grid import grid_of
+from surefoot.verify.footholds_rows import Surface
 
 GOOD = """\
 format: 1
@@ -140,10 +144,80 @@ def test_the_checker_refuses_gaits_that_do_not_fit_their_cells(tmp_path: Path) -
     assert checked(tmp_path / "broken.json").kept
 
 
+@pytest.fixture(scope="module")
+def proved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a plan whose bound comes from prices that were improved, with a turn in it."""
+    problem = leap()
+    turned = replace(problem, goal_rpy_rad=np.array([0.0, 0.0, 0.1]))
+    path = tmp_path_factory.mktemp("proved") / "plan.json"
+    write_plan(path, turned, solve(replace(turned, options=replace(turned.options, first_plan=False, gap=0.3))))
+    return path
+
+
+def test_the_checker_derives_the_bound_over_all_gaits(proved: Path) -> None:
+    ledger = checked(proved)
+    assert not ledger.kept
+    claimed = json.loads(proved.read_text())["answer"]["bound"]
+    assert claimed * (1 - 1e-6) <= ledger.counts["bound"] < 1.02 * claimed
+
+
+def _with_bound(document: dict[str, Any], factor: float) -> None:
+    answer = document["answer"]
+    answer["bound"] *= factor
+    answer["gap"] = (answer["objective"] - answer["bound"]) / answer["objective"]
+
+
+@pytest.mark.parametrize(
+    ("doctor", "says"),
+    [
+        (lambda file: _with_bound(file, 1.03), "the multipliers give"),
+        (lambda file: file["free"]["bound"].update(pull=[[0.0, 0.0, 0.0]] * 40), "the multipliers give"),
+        (lambda file: file["free"]["bound"]["reach"].append([20, 0, 2, 0, 9e4]), "the multipliers give"),
+        (lambda file: file["free"].update(bound=None), "has no multipliers"),
+        (lambda file: file["answer"].update(gap=0.01), "is 0."),
+    ],
+)
+def test_the_checker_refuses_doctored_bounds(
+    proved: Path, tmp_path: Path, doctor: Callable[[dict[str, Any]], None], says: str
+) -> None:
+    document = json.loads(proved.read_text())
+    doctor(document)
+    (tmp_path / "broken.json").write_text(json.dumps(document))
+    assert any(says in finding.message for finding in checked(tmp_path / "broken.json").kept)
+
+
+@given(
+    st.lists(st.floats(-0.3, 0.9), min_size=6, max_size=6),
+    st.floats(0.0, 1.0),
+    st.floats(0.0, 1.0),
+    st.integers(0, 3),
+)
+@settings(max_examples=30)
+def test_grids_enclose_quadratics(square: list[float], along: float, across: float, side: int) -> None:
+    """The least over the nodes, less what they may spread, is below the value of any point of the polygon."""
+    corners = np.array([[0.0, 0.0, 0.0], [0.9, 0.2, 0.1], [0.8, 0.9, 0.1], [-0.1, 0.7, 0.0]])
+    surface = Surface(corners, 0.6)
+    grid = grid_of([surface], np.array([[0.1 * side, 0.3, 0.0]]), np.zeros(3), 0.1)
+    a, b, _, d = surface.corners
+    mixed = a + along * (b - a) + across * (d - a)
+    point = mixed - ((mixed - a) @ surface.normal) * surface.normal
+    if surface.outside(point) > 0:
+        return
+    weight, tilt = 50.0, 40 * np.array(square[:3])
+    at_nodes = weight * ((grid.points**2).sum(axis=1) - grid.spread) + grid.points @ tilt
+    assert at_nodes[:-1].min() <= weight * float(point @ point) + float(tilt @ point) + 1e-9
+
+
 def test_is_deterministic() -> None:
     first, second = solve(leap()), solve(leap())
     assert first.objective == second.objective
     assert first.bound == second.bound
+
+
+def test_the_first_plan_ends_the_search() -> None:
+    solution = solve(leap())
+    assert solution.free is not None
+    assert solution.free.first_objective == pytest.approx(solution.objective, rel=1e-3)
 
 
 def test_cancelling_at_once_answers_unknown() -> None:
@@ -215,7 +289,7 @@ PLAN_COST = solve(fixed(tiny(0.25), every_table(5)[9]), certify=False, why=False
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_plan_obeys_the_exact_program_and_its_relaxation(seed: int) -> None:
     """What has a plan must be feasible for whatever may refute it: no constant may cut it off."""
-    problem = replace(tiny(0.3 + 0.1 * seed), options=replace(tiny(0.3).options, gap=0.99))
+    problem = replace(tiny(0.3 + 0.1 * seed), options=replace(tiny(0.3).options, first_plan=True))
     solution = solve(problem)
     assert solution.plan is not None
     plan = solution.plan
@@ -266,5 +340,5 @@ def test_absent_solvers_say_how_to_install_them(name: str, monkeypatch: pytest.M
 @pytest.mark.parametrize("seed", range(10))
 def test_families_are_decided(family: str, seed: int) -> None:
     problem = free_problem_of(family, seed)
-    solution = solve(replace(problem, options=replace(problem.options, gap=0.99, time_limit_s=120.0)))
+    solution = solve(replace(problem, options=replace(problem.options, first_plan=True, time_limit_s=120.0)))
     assert solution.verdict == ("infeasible" if family == "hopeless" else "feasible")

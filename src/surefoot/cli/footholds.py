@@ -33,6 +33,7 @@ def solve(
         bool, typer.Option("--retarget", help="Move the goal to the nearest feasible stance first.")
     ] = False,
     gap: Annotated[float | None, typer.Option("--gap", min=1e-9, max=0.99, help="Overrides the file's.")] = None,
+    first: Annotated[bool, typer.Option("--first", help="Stop at the first plan.")] = False,
     gait: Annotated[
         Path | None, typer.Option("--gait", help="A gait file to write, as OCS2 users read it.", show_default=False)
     ] = None,
@@ -47,7 +48,7 @@ def solve(
 
     With `gait: free` in the problem the gait is found too: the search goes on
     until the time limit, or until the gap to a bound over all gaits is small
-    enough; --gap 0.99 takes the first plan.
+    enough; --first takes the first plan.
 
     Exit code 0: feasible; 1: infeasible, with the reason; 2: the problem file
     cannot be used; 3: unknown, a limit was reached.
@@ -63,6 +64,8 @@ def solve(
         read = replace(read, options=replace(read.options, time_limit_s=time_limit_s))
     if gap is not None:
         read = replace(read, options=replace(read.options, gap=gap))
+    if first:
+        read = replace(read, options=replace(read.options, first_plan=True))
     if moved:
         found = retarget_goal(read)
         read = retargeted(read, found) if found.position_m is not None else read

@@ -13,11 +13,11 @@ from surefoot.footholds.cells import Cells
 from surefoot.footholds.free_form import free_form
 from surefoot.footholds.orientation import turning
 from surefoot.footholds.problem import Problem
-from surefoot.footholds.refute import Refuted, refuted
+from surefoot.footholds.refute import Refuted, confirmed, refuted
 from surefoot.footholds.skeleton import skeleton
 from surefoot.footholds.solvers import HighsSolver, run_highs, solver_of
 
-_QUICK_NODES, _MOST_NODES = 21, 400
+_QUICK_NODES, _MOST_NODES = 21, 160
 _SKELETON_S = 5.0
 
 
@@ -48,13 +48,11 @@ def decided_quickly(problem: Problem, stop: Callable[[], bool], *, thorough: boo
         methods = ("the base cannot be turned that fast", "HiGHS feasibility")[: 1 + also]
         return Decided(methods, None, "no second method confirms it", None, (time.perf_counter() - begin) * 1e3)
     form = skeleton(problem)
-    if thorough and run_highs(form, np.zeros(len(form.cost.linear)), _SKELETON_S)[0] is not False:
-        return None
     found = refuted(problem, form, stop, _MOST_NODES if thorough else _QUICK_NODES)
     if found is None:
         return None
     begin = time.perf_counter()
-    also = thorough or run_highs(form, np.zeros(len(form.cost.linear)), _SKELETON_S)[0] is False
+    also = confirmed(found, _SKELETON_S)
     methods = ("checked rays of the skeleton", "HiGHS on the skeleton")[: 1 + also]
     return Decided(methods, None, "HiGHS does not confirm it", found, (time.perf_counter() - begin) * 1e3)
 

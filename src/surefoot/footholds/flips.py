@@ -21,6 +21,17 @@ def neighbours(cells: Cells, min_dwell_cells: int) -> Iterator[Cells]:
             yield changed
 
 
+def kicks(cells: Cells, min_dwell_cells: int, rng: np.random.Generator, count: int) -> Iterator[Cells]:
+    """Yield contact tables that are two to four random changes away, for when no single change helps any more."""
+    for _ in range(count):
+        changed = cells
+        for _ in range(int(rng.integers(2, 5))):
+            near = list(neighbours(changed, min_dwell_cells))
+            if near:
+                changed = near[int(rng.integers(len(near)))]
+        yield changed
+
+
 def _all(cells: Cells, min_dwell_cells: int) -> Iterator[Cells]:
     moved = [list(_moved(cells, foot)) for foot in range(4)]
     for foot in range(4):

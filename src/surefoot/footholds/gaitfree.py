@@ -16,11 +16,12 @@ from surefoot.footholds.ascent import Ascent, even_prices, prices_of_node
 from surefoot.footholds.cells import Cells, cell_count, fixed, gait_of
 from surefoot.footholds.decide import Decided, decided_exactly, decided_quickly
 from surefoot.footholds.dual import Prices, Pricing
-from surefoot.footholds.flips import neighbours
+from surefoot.footholds.flips import kicks, neighbours
 from surefoot.footholds.model import Choice
 from surefoot.footholds.orientation import turning
 from surefoot.footholds.pool import FIRST, GUESSED, LAST, LATER, NEAR, Pool
 from surefoot.footholds.problem import Problem
+from surefoot.footholds.proof import turning_multipliers
 from surefoot.footholds.solve import FreeAnswer, Solution, cheapest, load_backends, no_plan, solve
 from surefoot.footholds.templates import first_templates, templates
 
@@ -32,6 +33,8 @@ _TRIES_PER_ROUND = 12
 _TRIES_BEFORE_DOUBT = 13
 _TRIES_BEFORE_EXACT = 160
 _SURE = 1.02
+_MARGIN = 4e-3
+_KICKS, _MOST_IDLE = 60, 20
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +86,9 @@ class _Search:
     @property
     def close(self) -> bool:
         """Whether the gap is small enough."""
-        return self.found is not None and self.found.value - self.bound <= self.problem.options.gap * self.found.value
+        if self.found is None or self.problem.options.first_plan:
+            return self.found is not None
+        return self.found.value - self.bound <= self.problem.options.gap * self.found.value
 
     def run(self, certify: bool) -> Solution:
         decided = decided_quickly(self.problem, self.stop)
@@ -128,11 +133,15 @@ class _Search:
             self.pool.price(prices)
         return True
 
+    def fixed(self, cells: Cells) -> Problem:
+        """Return the program of a contact table, to be solved well enough to compare tables."""
+        options = replace(self.problem.options, gap=_COMPARE_GAP, first_plan=False)
+        return replace(fixed(self.problem, cells), options=options)
+
     def offer(self, cells: Cells, origin: str) -> Prices | None:
         """Try a contact table, keep it when it is the best so far, and return its prices."""
         self.tried += 1
-        at = fixed(self.problem, cells)
-        at = replace(at, options=replace(at.options, gap=_COMPARE_GAP))
+        at = self.fixed(cells)
         worth = np.inf if self.found is None else self.found.value
         value, choice, node = cheapest(at, cancelled=self.stop, worth=worth)
         prices = None if node is None or node.motion is None else prices_of_node(at, node)
@@ -154,34 +163,45 @@ class _Search:
         exact = Pricing(self.problem, _BOUND_BOXES)
         ascent = Ascent(guide, even_prices(self.problem))
         self.prove(exact, even_prices(self.problem))
+        chance, idle = np.random.default_rng(0), 0
         while not self.stop() and not self.close:
             for _ in range(_TRIES_PER_ROUND):
                 if self.stop() or self.close or not self.try_next():
                     break
-            for _ in range(_ROUND):
-                if self.stop():
-                    break
-                self.pool.add([("prices", ascent.step(self.found.value).cells)], LATER)
-            self.pool.price(ascent.prices)
-            self.prove(exact, ascent.prices)
-            if ascent.stuck and not self.pool.tables:
+            if not ascent.stuck:
+                self.climb(ascent, exact)
+            elif not self.pool.tables:
+                near = kicks(self.found.cells, self.problem.options.min_dwell_cells, chance, _KICKS)
+                self.pool.add((("kicks", cells) for cells in near), LATER)
+                idle = 0 if self.pool.tables else idle + 1
+                if idle > _MOST_IDLE:
+                    return
+
+    def climb(self, ascent: Ascent, exact: Pricing) -> None:
+        """Raise the bound for a while, and try what its prices suggest."""
+        assert self.found is not None
+        for _ in range(_ROUND):
+            if self.stop():
                 return
+            self.pool.add([("prices", ascent.step(self.found.value).cells)], LATER)
+        self.pool.price(ascent.prices)
+        self.prove(exact, ascent.prices)
 
     def prove(self, exact: Pricing, prices: Prices) -> None:
-        """Raise the bound by prices, if they can."""
+        """Raise the bound by prices, if they can; a little is left to checkers who cut the ground otherwise."""
         bound = exact.at(prices).bound
+        bound -= _MARGIN * abs(bound)
         if bound > self.bound:
             self.bound, self.prices = bound, prices
 
     def positive(self) -> Solution:
         """Return the best plan, solved once more to the end with its gait."""
         assert self.found is not None
-        at = fixed(self.problem, self.found.cells)
-        at = replace(at, options=replace(at.options, gap=_COMPARE_GAP))
+        at = self.fixed(self.found.cells)
         best = solve(at, guesses=(self.found.choice,), certify=False, why=False)
         assert best.objective is not None
-        turned = 0.0 if self.problem.options.moment_balance else turning(self.problem).bound
-        bound = min(self.bound + turned, best.objective)
+        turned = None if self.problem.options.moment_balance else turning(self.problem)
+        bound = min(self.bound + (0.0 if turned is None else turned.bound), best.objective)
         net = best.objective - at.gravity_cost
         return replace(
             best,
@@ -192,7 +212,7 @@ class _Search:
             solve_cpu_ms=(time.process_time() - self.begin_cpu) * 1e3,
             limit=self.limit,
             proof=None,
-            free=self.answer(),
+            free=replace(self.answer(), turning=() if turned is None else tuple(turning_multipliers(turned))),
         )
 
     def negative(self, decided: Decided) -> Solution:

@@ -8,6 +8,8 @@ import os
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from surefoot.compute import sha256_of, write_text_whole
 from surefoot.footholds.cells import with_gait
 from surefoot.footholds.gaits import FreeGait, Gait
@@ -55,8 +57,19 @@ def _free(problem: Problem, solution: Solution) -> dict[str, Any]:
     refutation = None if solution.free is None else solution.free.refutation
     return {
         "horizon_s": problem.gait.horizon_s,
+        "bound": None if solution.free is None or solution.bound is None else _bound(solution.free),
         "refutation": None if refutation is None else refutation_document(refutation),
     }
+
+
+def _bound(free: FreeAnswer) -> dict[str, Any] | None:
+    """Return the multipliers that prove a bound over all gaits."""
+    if free.prices is None:
+        return None
+    reach = [
+        [int(i), int(j), int(a), 0, float(free.prices.reach[i, j, a])] for i, j, a in np.argwhere(free.prices.reach)
+    ]
+    return {"reach": reach, "pull": free.prices.pull.tolist(), "turning": list(free.turning)}
 
 
 def answer_of(solution: Solution) -> dict[str, Any]:

@@ -32,6 +32,9 @@ class Weights:
     force: float = 0.1
 
 
+_ANY_GAP = 0.999
+
+
 @dataclass(frozen=True, slots=True)
 class Options:
     """What can be switched.
@@ -49,6 +52,7 @@ class Options:
         min_dwell_cells: with a free gait, how many cells a stance or a swing lasts at least; what the ends cut off may
             be shorter, as the robot stands before and after.
         gap: relative gap at which the search stops.
+        first_plan: whether any plan will do, so that the search stops at the first one.
         time_limit_s: of the search.
     """
 
@@ -62,7 +66,13 @@ class Options:
     cell_s: float = 0.1
     min_dwell_cells: int = 1
     gap: float = 1e-4
+    first_plan: bool = False
     time_limit_s: float = 10.0
+
+    @property
+    def stop_gap(self) -> float:
+        """Return the relative gap at which the search stops, whatever was asked for."""
+        return _ANY_GAP if self.first_plan else self.gap
 
 
 @dataclass(frozen=True, eq=False)

@@ -94,6 +94,7 @@ class OptionsBlock(Block):
         int, Field(ge=1, le=1000, description="gait: free: how many cells a stance or a swing lasts at least")
     ] = 1
     gap: Annotated[float, Field(ge=1e-9, lt=1, description="relative gap at which the search stops")] = 1e-4
+    first_plan: Annotated[bool, Field(description="whether the search stops at the first plan")] = False
     time_limit_s: Annotated[float, Field(gt=0, le=86400)] = 10.0
 
 

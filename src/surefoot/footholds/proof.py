@@ -67,9 +67,13 @@ def proof_of(problem: Problem, outcome: Outcome, turned: Turning | None) -> Proo
             tree[place] = entry
         else:
             tree[place] = {"leaf": prove(branch)}
-    pressing = [] if turned is None else zip(turned.where, turned.multipliers, strict=True)
-    turns = [[int(i), int(a), _short(m)] for (i, a), m in pressing if abs(m) > _DROP]
-    return Proof(outcome.root.choice, tree, kept, turns)
+    return Proof(outcome.root.choice, tree, kept, [] if turned is None else turning_multipliers(turned))
+
+
+def turning_multipliers(turned: Turning) -> list[list[float]]:
+    """Return the multipliers of the orientation's program as rows ``[sample, axis, multiplier]``."""
+    pressing = zip(turned.where, turned.multipliers, strict=True)
+    return [[int(i), int(a), _short(m)] for (i, a), m in pressing if abs(m) > _DROP]
 
 
 def multipliers_of(problem: Problem, motion: Motion, rows: Rows, multipliers: Array) -> dict[str, list[list[float]]]:

@@ -12,10 +12,13 @@ from surefoot.footholds.form import StandardForm
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.qp import solve_qp
 from surefoot.footholds.rows import FAMILIES, Array, Index, Rows
-from surefoot.footholds.skeleton import cost_limit
+from surefoot.footholds.skeleton import cost_limit, outside_m
+from surefoot.footholds.solvers import run_highs
 
 _CERTAIN = 10.0
 _DROP = 1e-14
+_FAR_M = 1e-4
+_NONE = np.zeros(0, dtype=np.int64)
 _NAMES = (("dynamics", "newton", 2), ("torque", "limit", 2), ("contact", "cover", 1), ("reach", "near", 4))
 
 
@@ -66,7 +69,7 @@ def refuted(problem: Problem, form: StandardForm, stop: Callable[[], bool], most
         if answer.feasible is not True and answer.bound > limit:
             leaves.append(Leaf(pinned, answer.multipliers))
             continue
-        place = _undecided(form.binaries, answer.unknowns, pinned)
+        place = _unexplained(problem, form.binaries, answer.unknowns, pinned)
         if place is None:
             return None
         pending += [{**pinned, place: 0}, {**pinned, place: 1}]
@@ -114,9 +117,32 @@ def _with(rows: Rows, ranges: dict[int, int], pinned: dict[int, int]) -> Rows:
     return replace(rows, lower=lower, upper=upper)
 
 
-def _undecided(binaries: Index, unknowns: Array, pinned: dict[int, int]) -> int | None:
-    """Return the binary that is least decided; the first of them are those of "carried"."""
-    free = np.array([place for place in binaries if int(place) not in pinned], dtype=np.int64)
-    if not len(free):
-        return None
-    return int(free[np.abs(unknowns[free] - 0.5).argmin()])
+def confirmed(found: Refuted, time_limit_s: float) -> bool:
+    """Return whether HiGHS finds no point in any leaf: a second method, by simplex instead of rays."""
+    form, ranges = found.form, _ranges(found.form)
+    nothing = np.zeros(len(form.cost.linear))
+    leaves = (replace(form, rows=_with(form.rows, ranges, leaf.pinned), binaries=_NONE) for leaf in found.leaves)
+    return all(run_highs(leaf, nothing, time_limit_s)[0] is False for leaf in leaves)
+
+
+def _unexplained(problem: Problem, binaries: Index, unknowns: Array, pinned: dict[int, int]) -> int | None:
+    """Return a binary of the cell that is carried where the base is farthest from all polygons that may be near.
+
+    That is "carried" first, and then the nearest polygon. Where nothing is far there is none: with "carried" rounded up
+    and the polygons in reach taken as near, this is a point of the skeleton.
+    """
+    away = outside_m(problem, unknowns)
+    count, polygons = away.shape
+    first = int(binaries[0])
+    for place, value in pinned.items():
+        if value == 0 and place >= first + count:
+            away.flat[place - first - count] = np.inf
+    far = away.min(axis=1) * np.maximum(unknowns[binaries[:count]], 0.0)
+    for cell in np.argsort(-far, kind="stable"):
+        if not far[cell] > _FAR_M:
+            return None
+        ends = cell in (0, count - 1)
+        for place in (first + int(cell), first + count + int(cell) * polygons + int(away[cell].argmin())):
+            if place not in pinned and not (ends and place < first + count):
+                return place
+    return None

@@ -73,18 +73,35 @@ def _force_rows(build: RowBuilder, problem: Problem, force: Quantity, carried: Q
 
 def _reach_rows(build: RowBuilder, problem: Problem, base: Quantity, near: Quantity, cell: Index) -> None:
     """Keep the base within reach of the polygons that are near in a cell, by some foot."""
-    half = np.einsum("iab,b->ia", np.abs(problem.rotations), np.array(problem.robot.foot_reach_m))[:, None]
-    away, close = (problem.levers_m + half).max(axis=1), (problem.levers_m - half).min(axis=1)
     low, high = reach_boxes(problem)[0]
     build.add("boundary", low, high, [(1.0, base)])
     where = (np.arange(problem.samples)[:, None], np.arange(3))
-    for r, one in enumerate(problem.polygons):
-        least, most = one.vertices_m.min(axis=0) - away, one.vertices_m.max(axis=0) - close
+    for r, (least, most) in enumerate(zip(*near_ranges(problem), strict=True)):
         here = near[cell, r][:, None]
         slack = np.maximum(high - most, 0.0)
         build.add("reach", -INF, most + slack, [(1.0, base), (slack, here)], where=(*where, r, 0))
         slack = np.maximum(least - low, 0.0)
         build.add("reach", least - slack, INF, [(1.0, base), (-slack, here)], where=(*where, r, 1))
+
+
+def near_ranges(problem: Problem) -> tuple[Array, Array]:
+    """Return where the base is when some foot reaches a polygon: least and most, shape (R, N, 3) each."""
+    half = np.einsum("iab,b->ia", np.abs(problem.rotations), np.array(problem.robot.foot_reach_m))[:, None]
+    away, close = (problem.levers_m + half).max(axis=1), (problem.levers_m - half).min(axis=1)
+    corners = [one.vertices_m for one in problem.polygons]
+    return (
+        np.array([points.min(axis=0) - away for points in corners]),
+        np.array([points.max(axis=0) - close for points in corners]),
+    )
+
+
+def outside_m(problem: Problem, unknowns: Array) -> Array:
+    """Return by how much the base leaves the range of every polygon in every cell, shape (M, R)."""
+    base = at_rest(problem.samples, problem.start_m, problem.goal_m)[0].at(unknowns)
+    least, most = near_ranges(problem)
+    off = np.maximum(np.maximum(least - base, base - most), 0.0).max(axis=2)
+    found: Array = off.reshape(len(off), cell_count(problem), -1).max(axis=2).T
+    return found
 
 
 def cost_limit(problem: Problem, form: StandardForm) -> float:

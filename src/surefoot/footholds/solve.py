@@ -89,6 +89,7 @@ class FreeAnswer:
         first_feasible_s: until the first verified plan; None without one.
         first_objective: of that plan.
         prices: what proves the bound.
+        turning: multipliers of the orientation, which is solved apart (see ``Proof``).
         refutation: what proves infeasibility.
     """
 
@@ -98,6 +99,7 @@ class FreeAnswer:
     first_feasible_s: float | None
     first_objective: float | None
     prices: Prices | None = None
+    turning: tuple[list[float], ...] = ()
     refutation: Refuted | None = None
 
 
@@ -214,7 +216,7 @@ class _Solving:
         before: Branch | None = None,
     ) -> Outcome:
         guesses = self.guesses if guesses is None else guesses
-        gap = self.problem.options.gap
+        gap = self.problem.options.stop_gap
         return search(
             self.problem, program, root, gap=gap, stop=self.stop, accept=accept, guesses=guesses, before=before,
             worth=self.worth,

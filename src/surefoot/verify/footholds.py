@@ -10,6 +10,7 @@ import numpy as np
 
 from surefoot.errors import InputError
 from surefoot.verify.findings import Ledger
+from surefoot.verify.footholds_bound import gait_bound
 from surefoot.verify.footholds_file import BROKEN, FootholdFile, read_foothold_plan
 from surefoot.verify.footholds_free import cells_problem, refutation_problem
 from surefoot.verify.footholds_proof import proved_bound
@@ -63,7 +64,7 @@ def _check_motion(plan: FootholdFile, ledger: Ledger) -> None:
 
 
 def _check_free(plan: FootholdFile, free: dict[str, Any], ledger: Ledger) -> None:
-    """Check a plan whose gait was found: motion, gait and infeasibility; the bound over all gaits is not checked."""
+    """Check a plan whose gait was found: motion, gait, and the bound over all gaits, or infeasibility."""
     if plan.answer.get("verdict") == "infeasible":
         problem = refutation_problem(plan, free.get("refutation"))
         ledger.counts.update(refuted_by="rays of the relaxation")
@@ -79,7 +80,21 @@ def _check_free(plan: FootholdFile, free: dict[str, Any], ledger: Ledger) -> Non
         ledger.refuse("footholds, gait", problem, "values.gait")
     if not math.isclose(len(plan.contacts) * plan.number("step_s"), float(free["horizon_s"]), abs_tol=_CLOSE):
         ledger.refuse("footholds, gait", "does not last as long as the problem says", "values.gait")
-    ledger.counts.update(bound="not checked" if plan.answer.get("bound") is not None else None)
+    _check_gait_bound(plan, free.get("bound"), ledger)
+
+
+def _check_gait_bound(plan: FootholdFile, kept: Any, ledger: Ledger) -> None:
+    claimed = plan.answer.get("bound")
+    if claimed is None or not plan.arrays:
+        return
+    if kept is None:
+        ledger.refuse("footholds, bound", "has no multipliers that prove it", "free.bound")
+        return
+    bound = gait_bound(plan, kept, float(claimed))
+    ledger.counts.update(bound=bound)
+    if not float(claimed) <= bound + _CLOSE * abs(bound):
+        ledger.refuse("footholds, bound", f"the multipliers give {bound:.9g}, not {claimed}", "answer.bound")
+    _check_gap(plan, float(claimed), ledger)
 
 
 def _near(claimed: object, found: float) -> bool:
@@ -96,8 +111,12 @@ def _check_bound(plan: FootholdFile, ledger: Ledger) -> None:
         ledger.refuse("footholds, proof", problem, "proof")
     elif not float(claimed) <= bound + _CLOSE * abs(bound):
         ledger.refuse("footholds, bound", f"the proof gives {bound:.9g}, not {claimed}", "answer.bound")
+    _check_gap(plan, float(claimed), ledger)
+
+
+def _check_gap(plan: FootholdFile, bound: float, ledger: Ledger) -> None:
     objective = cost(plan)
-    gap = (objective - float(claimed)) / objective
+    gap = (objective - bound) / objective
     if not math.isclose(float(plan.answer.get("gap", math.nan)), gap, abs_tol=_CLOSE):
         ledger.refuse("footholds, gap", f"is {gap:.3g}", "answer.gap")
 

@@ -187,7 +187,7 @@ def _same_problem(path: Path, values: dict[str, Any]) -> None:
             raise InputError(f"are not those of {path.name}", source=path, key="polygons")
         if not _agrees(said.get("friction", 0.6), used["friction"]):
             raise InputError(f"have another friction than in {path.name}", source=path, key="polygons")
-    limits = {"gap", "time_limit_s"}
+    limits = {"gap", "first_plan", "time_limit_s"}
     options = {key: value for key, value in (given.get("options") or {}).items() if key not in limits}
     if not _agrees(options, values["options"]):
         raise InputError(f"are not those of {path.name}", source=path, key="options")
