@@ -43,7 +43,7 @@ class Growth:
 
 def growth(say: Callable[[str], None] = lambda _: None) -> Iterator[Growth]:
     """Measure every hall in a process of its own."""
-    asked = [("cells", *size, 1, None) for size in CELLS]
+    asked: list[tuple[str, int, int, int, float | None]] = [("cells", *size, 1, None) for size in CELLS]
     asked += [("obstacles", *_SMALL, count, None) for count in OBSTACLES]
     asked += [("regions", *_MIDDLE, 1, precision) for precision in PRECISIONS]
     for one in asked:
