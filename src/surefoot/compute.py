@@ -59,7 +59,7 @@ def process_pool(workers: int | None = None, *, preload: Sequence[str] = ()) -> 
     count = workers or len(os.sched_getaffinity(0))
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(list(preload))
-    pool = ProcessPoolExecutor(count, context, _ignore_interrupts)
+    pool = ProcessPoolExecutor(count, context, _begin_work)
     try:
         yield pool
     finally:
@@ -69,9 +69,14 @@ def process_pool(workers: int | None = None, *, preload: Sequence[str] = ()) -> 
             process.terminate()
 
 
-def _ignore_interrupts() -> None:
-    """Leave interruption to the parent, which stops its workers."""
+def _begin_work() -> None:
+    """Leave interruption and messages to the parent: what fails is an answer to it, and it stops its workers.
+
+    A worker that is stopped, or whose parent has gone, would print tracebacks of the pool's own plumbing.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if os.environ.get("SUREFOOT_DEBUG") != "1":
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
 
 
 def each_answer(
@@ -93,6 +98,19 @@ def each_answer(
         for future, index in sorted(places.items(), key=lambda pair: pair[1]):
             future.cancel()
             yield index, None
+
+
+def check_writable(path: Path) -> None:
+    """Refuse, before long work, a file that could not be written after it; nothing is made.
+
+    Raises:
+        InputError: if it is a folder, or its folder cannot be written to or made.
+    """
+    there = next(parent for parent in path.resolve().parents if parent.exists())
+    if path.is_dir():
+        raise InputError("is a folder; name a file", source=path)
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(f"cannot be written: {there} is no folder that you may write to", source=path)
 
 
 @contextmanager

@@ -53,6 +53,8 @@ def test_version(capsys: Capture) -> None:
         (["run", "s.yaml", "--obstacle", "scripted"], "--script FILE and --obstacle scripted belong together"),
         (["plan", "none.yaml"], "none.yaml: does not exist"),
         (["view", "nowhere"], "nowhere: does not exist"),
+        (["verify", "nowhere"], "nowhere: does not exist"),
+        (["terrain", "segment", "nowhere.png", "--resolution", "0.02"], "nowhere.png: does not exist"),
         (["scenario", "init", "none.yaml"], "none.yaml: "),
     ],
 )

@@ -44,3 +44,26 @@ def test_a_time_limit_is_exit_code_3_and_leaves_nothing(scenes: Path, tmp_path: 
     assert code == 3
     assert "limit" in str(answer["error"])
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_computation_that_was_given_up_does_not_hold_the_process_up() -> None:
+    """It may be in compiled code, and the interpreter must not be taken down under it."""
+    code = (
+        "import atexit, sys, time\n"
+        "from surefoot.cli import main\n"
+        "from surefoot.compute import Deadline\n"
+        "from surefoot.errors import LimitExceeded\n"
+        "from surefoot.games.attempts import watched\n"
+        "atexit.register(print, 'farewell')\n"
+        "try:\n"
+        "    watched(lambda: time.sleep({work_s}), Deadline.after(0))\n"
+        "except LimitExceeded:\n"
+        "    pass\n"
+        "sys.argv = ['surefoot', '--version']\n"
+        "sys.exit(main())\n"
+    )
+    for work_s, farewell in ((60, False), (0, True)):
+        command = [sys.executable, "-c", code.format(work_s=work_s)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=50)
+        assert (done.returncode, done.stdout.startswith("surefoot ")) == (0, True)
+        assert ("farewell" in done.stdout) == farewell

@@ -130,7 +130,7 @@ def test_a_counter_strategy_is_saved_verified_and_simulated(tmp_path: Path, caps
     strategy = str(tmp_path / "counter.json")
     found = answered(["synth", spec(tmp_path, DOOR_STUCK), "-o", strategy], capsys, code=1)
     assert (found["verdict"], found["verified"]) == ("unrealizable", True)
-    assert answered(["verify", strategy], capsys)["counts"]["player"] == "environment"
+    assert answered(["verify", strategy], capsys)["about"]["player"] == "environment"
     played = answered(["simulate", strategy, "--steps", "20"], capsys)
     assert played["player"] == "environment"
     assert min(goal["times"] for goal in played["goals_met"]) <= 1

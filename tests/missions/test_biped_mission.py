@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
 
 from surefoot.errors import InputError
 from surefoot.missions.biped import RunAnswer, run_mission
+from surefoot.missions.plan_writer import replaced_plan_folder
 from surefoot.missions.planning import plan_mission
 
 SCENES = {
@@ -59,6 +61,17 @@ def test_the_same_seed_gives_the_same_run(tutorial_plan: Path, scenes: Path, tmp
     assert logs[0] == logs[1]
 
 
+def test_a_goal_that_the_very_last_step_reaches_counts(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
+    scenario = scenes / "tutorial_mission.yaml"
+    run_mission(scenario, tutorial_plan, steps=120, seed=11, obstacle="random", out=tmp_path / "long")
+    records = [json.loads(line) for line in (tmp_path / "long" / "run.jsonl").read_text().splitlines()]
+    changed = next(at for at, one in enumerate(records) if one["record"] == "turn" and one["goal"] == 1)
+    steps = sum(one["record"] == "step" for one in records[:changed])
+    answer = run_mission(scenario, tutorial_plan, steps=steps, seed=11, obstacle="random", out=tmp_path / "short")
+    assert answer.verified, answer.findings
+    assert answer.goals_reached == (1, 0)
+
+
 def test_the_log_has_a_header_turns_steps_and_an_end(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
     run_mission(
         scenes / "tutorial_mission.yaml", tutorial_plan, steps=40, seed=1, obstacle="random", out=tmp_path / "run"
@@ -70,11 +83,51 @@ def test_the_log_has_a_header_turns_steps_and_an_end(tutorial_plan: Path, scenes
 
 
 def test_a_plan_for_another_scenario_is_refused(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="plan again"):
+    with pytest.raises(InputError, match=r"was made for .*tutorial_mission\.yaml, not for .*two_rooms_mission"):
         run_mission(
             scenes / "two_rooms_mission.yaml", tutorial_plan, steps=5, seed=1, obstacle="random", out=tmp_path / "run"
         )
     assert not (tmp_path / "run").exists()
+
+
+def test_a_plan_whose_scenario_was_edited_or_that_is_not_whole_is_refused(
+    tutorial_plan: Path, scenes: Path, tmp_path: Path
+) -> None:
+    for name in ("tutorial_mission.yaml", "tutorial.yaml", "tutorial.pgm"):
+        shutil.copy(scenes / name, tmp_path / name)
+    scenario, plan = tmp_path / "tutorial_mission.yaml", Path(shutil.copytree(tutorial_plan, tmp_path / "plan"))
+    document = json.loads((plan / "plan.json").read_text())
+    document["scenario"]["path"] = "../tutorial_mission.yaml"
+    (plan / "plan.json").write_text(json.dumps(document))
+
+    def refused(message: str) -> None:
+        with pytest.raises(InputError, match=message):
+            run_mission(scenario, plan, steps=5, seed=1, obstacle="random", out=tmp_path / "run")
+
+    (plan / "action.npz").unlink()
+    refused(r"action\.npz is missing; plan again")
+    scenario.write_text(scenario.read_text() + "\n")
+    refused(r"tutorial_mission\.yaml was edited since the plan was made")
+
+
+def test_an_older_run_leaves_no_pictures_behind(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    for _ in range(2):
+        run_mission(scenes / "tutorial_mission.yaml", tutorial_plan, steps=3, seed=1, obstacle="random", out=out)
+        assert [path.name for path in out.iterdir()] == ["run.jsonl"]
+        for name in ("map.png", "step_2.png", "replan_1.npz"):
+            (out / name).touch()
+    (out / "mine.png").touch()
+    run_mission(scenes / "tutorial_mission.yaml", tutorial_plan, steps=3, seed=1, obstacle="random", out=out)
+    assert sorted(path.name for path in out.iterdir()) == ["mine.png", "run.jsonl"]
+
+
+def test_cells_too_small_for_the_steps_name_the_smallest(scenes: Path, tmp_path: Path) -> None:
+    text = (scenes / "tutorial_mission.yaml").read_text().replace("cell_size_m: 2.7", "cell_size_m: 0.3")
+    scenario = tmp_path / "mission.yaml"
+    scenario.write_text(text.replace("map: tutorial.yaml", f"map: {scenes / 'tutorial.yaml'}"))
+    with pytest.raises(InputError, match=r"grid\.cell_size_m: 0\.3 is not allowed.* cells from 0\.\d+ m on"):
+        plan_mission(scenario, tmp_path / "plan")
 
 
 def test_an_unrealizable_scenario_names_the_goal_and_leaves_no_plan(scenes: Path, tmp_path: Path) -> None:
@@ -88,6 +141,8 @@ def test_an_unrealizable_scenario_names_the_goal_and_leaves_no_plan(scenes: Path
     assert "goal" in answer.witness
     assert not (tmp_path / "plan").exists()
     assert [path.name for path in tmp_path.iterdir()] == ["mission.yaml"]
+    assert answer.play is not None
+    assert answer.play.turns[0].turn == 0
 
 
 @pytest.mark.parametrize(
@@ -184,3 +239,30 @@ def test_a_bad_script_leaves_no_log(positions: str, tutorial_plan: Path, scenes:
     with pytest.raises(InputError, match=r"script\.yaml"):
         run_mission(scenario, tutorial_plan, steps=9, seed=0, obstacle="scripted", script=script, out=tmp_path / "run")
     assert not (tmp_path / "run").exists()
+
+
+def test_an_older_plan_of_a_scenario_that_is_lost_now_is_mentioned(scenes: Path, tmp_path: Path) -> None:
+    plan = tmp_path / "plan"
+    assert plan_mission(scenes / "tutorial_mission.yaml", plan).out == plan
+    before = (plan / "plan.json").read_text()
+    text = (scenes / "two_rooms_mission.yaml").read_text()
+    lines = [line for line in text.splitlines() if "upper room" not in line]
+    scenario = tmp_path / "mission.yaml"
+    scenario.write_text("\n".join(lines).replace("two_rooms.yaml", str(scenes / "two_rooms.yaml")))
+    answer = plan_mission(scenario, plan)
+    assert any("older plan" in note for note in answer.notes)
+    assert (plan / "plan.json").read_text() == before
+
+
+def test_a_folder_that_cannot_be_made_is_told_before_any_work(scenes: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    told: list[str] = []
+    with pytest.raises(InputError, match="cannot be written"):
+        plan_mission(scenes / "tutorial_mission.yaml", tmp_path / "file" / "plan", told.append)
+    assert told == []
+
+
+def test_a_plan_that_fails_leaves_no_folders(tmp_path: Path) -> None:
+    with pytest.raises(KeyError), replaced_plan_folder(tmp_path / "new" / "plan"):
+        raise KeyError
+    assert list(tmp_path.iterdir()) == []

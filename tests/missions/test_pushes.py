@@ -10,10 +10,16 @@ from typing import Any
 import pytest
 
 from surefoot.errors import InputError
+from surefoot.frames import Foot
 from surefoot.missions.biped import RunAnswer, run_mission
+from surefoot.missions.biped_scene import read_biped_scene
+from surefoot.missions.push_motion import Motion, Planned, flow, meeting_motion
 from surefoot.missions.pushed_step import transition
 from surefoot.missions.pushes import Pusher, RandomPushes, ScriptedPushes, StepPush, push_source, read_pushes
 from surefoot.missions.run_log import read_run
+from surefoot.verify import verify_path
+from surefoot.viewer import view_step
+from surefoot.walking import StepCommand, StepKind, Unsafe, WalkingStep, plan_step, standing_state
 
 
 def pushed(plan: Path, scenes: Path, out: Path, pushes: dict[int, StepPush], steps: int = 24) -> RunAnswer:
@@ -31,6 +37,17 @@ def pushed(plan: Path, scenes: Path, out: Path, pushes: dict[int, StepPush], ste
 def records(run: Path, kind: str) -> list[dict[str, Any]]:
     lines = (run / "run.jsonl").read_text().splitlines()
     return [record for record in map(json.loads, lines) if record["record"] == kind]
+
+
+def planned_step(scenes: Path) -> WalkingStep:
+    scene = read_biped_scene(scenes / "tutorial_mission.yaml")
+    start = standing_state((0.0, 0.0, 0.0), 0.3, Foot.LEFT, scene.walking, scene.robot)
+    cell = scene.walking.fine_cell_m
+    step = plan_step(start, StepCommand(StepKind.START, 2 * cell), scene.walking, scene.robot)
+    assert isinstance(step, WalkingStep)
+    step = plan_step(step.next_state(), StepCommand(StepKind.WALK, 4 * cell), scene.walking, scene.robot)
+    assert isinstance(step, WalkingStep)
+    return step
 
 
 @pytest.mark.parametrize("instant", [0.0, 0.2, 0.4])
@@ -62,11 +79,40 @@ def test_a_large_push_moves_the_foot_and_the_strategy_goes_on(
         assert step["next_foot_m"] != step["push"]["planned"]["next_foot_m"]
 
 
+@pytest.mark.parametrize("instant", [0.0, 0.2, 0.4])
+@pytest.mark.parametrize("jump", [(-0.05, 0.0), (0.15, 0.03), (0.0, -0.04)])
+def test_another_switch_leads_over_the_planned_foot(instant: float, jump: tuple[float, float], scenes: Path) -> None:
+    step = planned_step(scenes)
+    planned = Planned.of(step, instant * (step.first_half_s + step.second_half_s), jump)
+    found = [meeting_motion(planned, planned.next_foot.ahead_m, 0.05 * k) for k in range(2, 16)]
+    motions = {0.05 * (k + 2): motion for k, motion in enumerate(found) if isinstance(motion, Motion)}
+    assert motions
+    for speed, motion in motions.items():
+        switch = flow(planned.pushed, planned.foot, motion.before)
+        end = flow(switch, motion.foot, motion.after)
+        assert min(duration for duration, _ in (*motion.before, *motion.after)) >= 0
+        assert end.ahead_m == pytest.approx(planned.next_foot.ahead_m)
+        assert end.ahead_mps == pytest.approx(speed)
+        assert end.left_mps == pytest.approx(0.0, abs=1e-9)
+
+
+def test_no_step_leads_to_an_apex_behind(scenes: Path) -> None:
+    scene, step = read_biped_scene(scenes / "tutorial_mission.yaml"), planned_step(scenes)
+    for length in (-0.3, -0.1, 0.0):
+        back = plan_step(step.next_state(), StepCommand(StepKind.WALK, length), scene.walking, scene.robot)
+        assert isinstance(back, Unsafe)
+
+
 def test_a_fall_is_reported_with_its_margin(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
     answer = pushed(tutorial_plan, scenes, tmp_path / "run", {3: StepPush(0.3, -1.5, 0.0)})
     assert answer.falls == 1
-    assert not answer.verified
+    assert answer.verified, answer.findings
     assert not answer.succeeded
+    assert answer.failures[0].startswith("the robot fell in step 3, ")
+    report = verify_path(answer.out)
+    assert [failure.message for failure in report.failures] == ["the robot fell after a push"]
+    with pytest.raises(InputError, match="step 3 was not completed: the robot fell in it"):
+        view_step(answer.out, 3)
     assert answer.steps == 3
     (fall,) = records(answer.out, "fall")
     assert -1.5 < fall["margin_mps"] < 0
@@ -146,6 +192,21 @@ def test_a_bad_script_is_one_sentence(pushes: str, tmp_path: Path) -> None:
     script.write_text(f"format: 1\nkind: push-script\npushes: {pushes}\n")
     with pytest.raises(InputError, match=r"pushes\.yaml"):
         read_pushes(script)
+
+
+def test_a_wrong_key_of_a_push_is_named_with_its_line(tmp_path: Path) -> None:
+    script = tmp_path / "pushes.yaml"
+    text = "format: 1\nkind: push-script\npushes:\n"
+    text += "  - {step: 0, instant: 0, sagittal_mps: 1}\n  - {step: 1, instant: 0, sagital_mps: 1}\n"
+    script.write_text(text)
+    with pytest.raises(InputError, match=r":5: pushes\[1\]\.sagital_mps: is not .* \(did you mean sagittal_mps\?\)"):
+        read_pushes(script)
+
+
+def test_pushes_that_do_not_come_are_told(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
+    answer = pushed(tutorial_plan, scenes, tmp_path / "run", {2: StepPush(0.3, 0.02, 0.0), 90: StepPush(0.3, 0.1, 0.0)})
+    assert answer.pushes == 1
+    assert [note for note in answer.notes if "1 of the pushes did not come" in note and "step 90" in note]
 
 
 def test_sources_by_name(tmp_path: Path) -> None:

@@ -62,6 +62,7 @@ def planned(monkeypatch: pytest.MonkeyPatch) -> Callable[[list[bool]], list[str]
 def test_the_tutorial_map_gets_a_scenario_with_a_plan(scenes: Path, tmp_path: Path) -> None:
     made = init_scenario(scenes / "tutorial.yaml", tmp_path / "my.yaml")
     assert made.checked is True
+    assert any("--cell-size 2.7" in note and "22 would be free" in note for note in made.notes)
     scenario = read_scenario(made.scenario)
     assert scenario.map_path.resolve() == (scenes / "tutorial.yaml").resolve()
     assert len(scenario.goals) == 2

@@ -122,9 +122,13 @@ def test_an_unrealizable_scene_shows_how_the_obstacle_wins() -> None:
     verdict, _ = solve_navigation(game)
     assert verdict.witness is not None
     play = verdict.witness.play
-    assert play[0].startswith("turn 0: the robot in (4, 8), heading east; an obstacle out of sight, in one of ")
-    assert play[-2].endswith("no order is safe")
-    assert play[-1] == "the robot has no safe order left"
+    assert play is not None
+    assert (play.turns[0].turn, play.turns[0].cell, play.turns[0].heading) == (0, (4, 8), "east")
+    assert [turn.order is None for turn in play.turns] == [False] * (len(play.turns) - 1) + [True]
+    told = play.lines()
+    assert told[0].startswith("turn 0: the robot in (4, 8), heading east; an obstacle out of sight, in one of ")
+    assert told[-2].endswith("no order is safe")
+    assert told[-1] == "the robot has no safe order left"
 
 
 def test_a_robot_that_is_shut_out_for_ever_sees_its_play_repeat() -> None:
@@ -139,5 +143,5 @@ def test_a_robot_that_is_shut_out_for_ever_sees_its_play_repeat() -> None:
     problem = NavigationProblem(coarse, ends[0], Direction.EAST, (ends[1],))
     verdict, _ = solve_navigation(build_navigation_game(problem))
     assert verdict.witness is not None
-    assert verdict.witness.play
-    assert verdict.witness.play[-1] == "the robot has no safe order left"
+    assert verdict.witness.play is not None
+    assert verdict.witness.play.ending == "the robot has no safe order left"

@@ -184,6 +184,25 @@ def test_doctored_logs_are_refused(run: Path, doctor: Callable[[Records], object
     assert any(finding.rule.startswith(rule) for finding in report.findings), report.findings
 
 
+@pytest.mark.parametrize(
+    ("number", "margin", "finding"),
+    [(16, -0.3, "lost by more than its jump"), (12, -0.1, "not the last step"), (16, -0.1, "not the script's")],
+)
+def test_what_a_fall_claims_is_checked(run: Path, number: int, margin: float, finding: str) -> None:
+    fall = {"record": "fall", "step": number, "time_s": 99.0, "reason": "", "margin_mps": margin}
+    fall["push"] = {"time_s": 0.1, "jump_mps": [0.2, 0.0]}
+    change(run, lambda records: records.insert(-1, fall))
+    assert any(finding in str(text) for text in verify_path(run).findings)
+
+
+def test_a_straight_step_instead_of_a_turn_needs_a_push(run: Path) -> None:
+    def straight(records: Records) -> None:
+        step(records, 1)["action"] = 6 if step(records, 1)["action"] != 6 else 7
+
+    change(run, straight)
+    assert any("not the action of the action strategy" in str(text) for text in verify_path(run).findings)
+
+
 def test_another_script_is_refused(run: Path) -> None:
     """A script with other pushes is not the one of the run, even when the header names its hash."""
     other = run.parent / "other.yaml"

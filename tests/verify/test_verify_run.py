@@ -133,9 +133,13 @@ DOCTORED: dict[str, tuple[Change, str]] = {
     ),
     "a clock that runs backwards": (lambda r: of(r, "step", 3).update(time_s=0.0), "formats.md 3, time_s"),
     "a rise without time": (lambda r: of(r, "step", 0).update(rise_s=1e-3), "formats.md 3, double support"),
-    "an unsafe step": (
-        lambda r: r.insert(-1, {"record": "unsafe", "step": 120, "time_s": 1e6, "reason": "none"}),
-        "rules.md 6, unsafe step",
+    "an unsafe step that is not the next one": (
+        lambda r: r.insert(-1, {"record": "unsafe", "step": 7, "time_s": 1e6, "reason": "none"}),
+        "formats.md 3, unsafe",
+    ),
+    "a walk that goes on after an unsafe step": (
+        lambda r: r.insert(9, {"record": "unsafe", "step": 120, "time_s": 1e6, "reason": "none"}),
+        "formats.md 3, unsafe",
     ),
     "a swing foot elsewhere": (lambda r: shifted(of(r, "step", 3), "swing_from_m", 0.01), "formats.md 3, swing foot"),
     "a swing foot too low": (lambda r: shifted(of(r, "step", 3), "swing_from_m", -0.1, 2), "formats.md 3, swing foot"),
@@ -284,8 +288,13 @@ def test_walk_that_was_given_up_is_incomplete_without_blame_for_its_length(run: 
     assert "formats.md 3, steps" not in {finding.rule for finding in report.findings}
 
 
-def test_walk_that_ends_early_with_an_unsafe_step_is_incomplete(run: Path) -> None:
-    change(run, lambda records: (records[0].update(steps=200), DOCTORED["an unsafe step"][0](records)))
+def test_a_log_that_ends_early_with_an_unsafe_step_is_honest_and_its_mission_failed(run: Path) -> None:
+    def stop(records: list[dict[str, Any]]) -> None:
+        records[0]["steps"] = 200
+        records.insert(-1, {"record": "unsafe", "step": 120, "time_s": 1e6, "reason": "none"})
+
+    change(run, stop)
     report = verify_path(run)
     assert not report.counts["complete"]
-    assert {finding.rule for finding in report.findings} == {"rules.md 6, unsafe step"}
+    assert report.accepted, report.findings
+    assert [failure.rule for failure in report.failures] == ["rules.md 6, unsafe step"]

@@ -64,6 +64,17 @@ def test_what_is_no_run_and_no_plan_is_refused(tmp_path: Path) -> None:
         view_folder(tmp_path / "none")
 
 
+def test_broken_assumptions_and_new_plans_are_marked(tmp_path: Path) -> None:
+    folder = write_run(tmp_path)
+    (plain,) = (path.read_bytes() for path in view_run(folder) if path.name == "map.png")
+    log = folder / "run.jsonl"
+    lines = log.read_text().splitlines(keepends=True)
+    broken = {"record": "violation", "turn": 1, "time_s": 1.0, "violation": "jumps", "kind": 0, "cell": None}
+    log.write_text("".join([lines[0], json.dumps(broken) + "\n", *lines[1:]]))
+    (marked,) = (path.read_bytes() for path in view_run(folder) if path.name == "map.png")
+    assert marked != plain
+
+
 def test_a_missing_plan_is_named(tmp_path: Path) -> None:
     folder = write_run(tmp_path)
     (tmp_path / "plan" / "plan.json").unlink()

@@ -10,7 +10,6 @@ from __future__ import annotations
 import gc
 import os
 import sys
-import threading
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import NoReturn
@@ -41,7 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _still_working() -> bool:
     """Return whether a solving thread was left behind, by a time limit or an interruption."""
-    return any(thread.daemon and thread is not threading.main_thread() for thread in threading.enumerate())
+    attempts = sys.modules.get("surefoot.games.attempts")
+    return attempts is not None and bool(attempts.left_behind())
 
 
 def _leave(code: int) -> NoReturn:

@@ -34,6 +34,10 @@ def belief(
     excuse to wait, and orders that force the obstacles to break their word
     are forbidden.
 
+    Goal visits are those of the extracted strategies against random
+    obstacles. A strategy is made to win, not to be quick: more knowledge can
+    score worse (docs/navigation.md 5).
+
     Examples:
       surefoot belief scenes/two_rooms_mission.yaml
       surefoot belief my.yaml --turns 100000 -o pictures/ --json
@@ -90,4 +94,5 @@ def _lines(answers: tuple[BeliefAnswer, ...], pictures: tuple[Path, ...]) -> lis
         game = f"{one.reading:<8}  {one.belief:<10}  {verdict:<10}  {one.decisions:>9}  {one.turns:>8}"
         lines.append(f"{game}  {visits:>11}  {leg:>11}")
     lines += [f"  {one.reading}, {one.belief}: {one.reason}" for one in answers if one.reason]
+    lines.append("  note: strategies are made to win, not to be quick; more knowledge can mean fewer goal visits")
     return [*lines, *(f"  picture: {path}" for path in pictures)]

@@ -39,7 +39,7 @@ A first hour:
   surefoot view run/                           pictures of the run
 
 Exit codes: 0 yes, 1 no (such as not realizable), 2 bad input,
-3 a limit was reached, 4 a bug in Surefoot.
+3 a limit was reached, 4 a bug in Surefoot, 130 interrupted (Ctrl-C).
 """
 
 app = typer.Typer(

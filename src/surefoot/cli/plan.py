@@ -12,6 +12,8 @@ from surefoot.cli.output import AsJson, answer, facts, progress
 if TYPE_CHECKING:
     from surefoot.missions.planning import PlanAnswer
 
+_HOW = "How the obstacles win; cells are (row, column) as in the picture that surefoot view SCENARIO draws:"
+
 
 def plan(
     scenario: Annotated[Path, typer.Argument(help="The scenario, a YAML file.", show_default=False)],
@@ -46,7 +48,7 @@ def plan(
 def plan_lines(planned: PlanAnswer) -> list[str]:
     """Return what a person wants to know about a plan."""
     if not planned.realizable:
-        play = ["How the obstacles win:", *(f"  {line}" for line in planned.play)] if planned.play else []
+        play = [] if planned.play is None else [_HOW, *(f"  {line}" for line in planned.play.lines())]
         return ["Not realizable: no strategy wins.", f"  {planned.witness}", *play, *_notes(planned.notes)]
     head = f"Realizable{' and verified' if planned.verified else ', but NOT verified'}: {planned.out}"
     return [

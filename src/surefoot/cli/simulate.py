@@ -84,15 +84,15 @@ class Played:
     ended: str | None
 
 
-Show = Callable[[Sequence["Variable"], int, int, tuple[int, ...]], None]
+Show = Callable[[Sequence["Variable"], int, int, tuple[int, ...], str], None]
 
 
 def _ranked(path: Path, ranking: Ranking, steps: int, source: np.random.Generator, typed: bool, show: Show) -> Played:
-    from functools import partial
-
     from surefoot.cli.simulate_ranking import play_ranking
 
-    shown = partial(show, ranking.variables, ranking.inputs)
+    def shown(number: int, row: tuple[int, ...], goal: int) -> None:
+        show(ranking.variables, ranking.inputs, number, row, _aim("system", goal))
+
     try:
         rows, goals, ended = play_ranking(ranking, steps, source, typed=typed, show=shown)
     except ValueError as problem:
@@ -112,21 +112,31 @@ def _listed(transducer: Transducer, steps: int, source: np.random.Generator, typ
             ended = "no more moves were typed"
         else:
             visited.append(node)
-            show(transducer.variables, transducer.inputs, len(visited) - 1, tuple(transducer.values[node].tolist()))
+            row, goal = tuple(transducer.values[node].tolist()), int(transducer.memory[node])
+            aim = _aim(transducer.player, goal)
+            show(transducer.variables, transducer.inputs, len(visited) - 1, row, aim)
             options = transducer.after(node).tolist()
     rows = [tuple(transducer.values[node].tolist()) for node in visited]
     goals = [int(transducer.memory[node]) for node in visited]
     return Played(transducer.player, transducer.variables, rows, goals, ended)
 
 
-def _silent(variables: Sequence[Variable], inputs: int, number: int, row: tuple[int, ...]) -> None:
+def _aim(player: str, goal: int) -> str:
+    """Return what a strategy is after, in words."""
+    if goal < 0:
+        return ""
+    return f"pursues goal {goal}" if player == "system" else f"denies goal {goal}"
+
+
+def _silent(variables: Sequence[Variable], inputs: int, number: int, row: tuple[int, ...], aim: str) -> None:
     """Print nothing."""
 
 
-def _shown(variables: Sequence[Variable], inputs: int, number: int, row: tuple[int, ...]) -> None:
+def _shown(variables: Sequence[Variable], inputs: int, number: int, row: tuple[int, ...], aim: str) -> None:
     words = [v.shown(value) for v, value in zip(variables, row, strict=True)]
     ours, theirs = ", ".join(words[:inputs]), ", ".join(words[inputs:])
-    print(f"{number}: environment {ours or '(nothing)'}; system {theirs or '(nothing)'}", flush=True)
+    aimed = f" ({aim})" if aim else ""
+    print(f"{number}: environment {ours or '(nothing)'}; system {theirs or '(nothing)'}{aimed}", flush=True)
 
 
 def _print_end(ended: str | None, met: list[dict[str, object]] | None) -> None:

@@ -21,7 +21,7 @@ def play_ranking(
     source: np.random.Generator,
     *,
     typed: bool,
-    show: Callable[[int, tuple[int, ...]], None],
+    show: Callable[[int, tuple[int, ...], int], None],
 ) -> tuple[list[tuple[int, ...]], list[int], str | None]:
     """Play a ranking; return the values of all variables in every step, the goals pursued, and why it ended early.
 
@@ -30,7 +30,7 @@ def play_ranking(
         steps: how many.
         source: picks inputs.
         typed: whether to ask for them on standard input.
-        show: called with the number and the values of every step.
+        show: called with the number, the values and the goal of every step.
     """
     from surefoot.games.ranking_player import RankingPlayer
 
@@ -54,7 +54,7 @@ def play_ranking(
             memory, state = player.answer(memory, state, inputs)
         rows.append(player.decoded(state))
         goals.append(player.pursued(memory, state))
-        show(len(rows) - 1, rows[-1])
+        show(len(rows) - 1, rows[-1], goals[-1])
     return rows, goals, None
 
 

@@ -44,6 +44,9 @@ def synthesize(
 ) -> None:
     """Find skills, and strategies for every terrain state and request.
 
+    With `yaw: true` in the terrain file the robot turns in place too, and
+    strategies know which way it faces.
+
     Every check of physics is on disk as soon as it is made. Interrupt the
     command as you like: given the same folder it goes on where it was.
 
@@ -110,12 +113,13 @@ def show(
     pairs = _chosen(read, state or 0, request)
     if spec is not None:
         _write_spec(read, pairs, spec)
+    shown = read.states[state or 0]
     value = {
-        "labels": pairs[0].state.labels,
+        "labels": shown.labels,
         "pairs": [pair_object(pair, state or 0) for pair in pairs],
         "files": [spec] if spec is not None else [],
     }
-    answer(value, state_lines(pairs), yes=True, as_json=as_json)
+    answer(value, state_lines(shown, pairs, read.turning), yes=True, as_json=as_json)
 
 
 def _order(order: Order, seed: int) -> SuggestionOrder:
@@ -165,14 +169,17 @@ def _write_spec(library: SkillLibrary, pairs: Sequence[PairAnswer], path: Path) 
     from surefoot.errors import InputError
     from surefoot.logic import write_slugsin, write_structuredslugs
     from surefoot.skills.encoding import pair_specification
+    from surefoot.skills.heading_encoding import heading_pair_specification
 
     writers = {".structuredslugs": write_structuredslugs, ".slugsin": write_slugsin}
     if len(pairs) != 1:
         raise InputError("needs one pair: give --request as well", key="--spec")
     if path.suffix not in writers:
         raise InputError(f"has to end in {' or '.join(writers)}", key="--spec", source=path)
-    knowledge = library.knowledge
-    spec = pair_specification(
-        pairs[0].state, pairs[0].request, library.classes, sorted(knowledge.skills), forbidden=knowledge.refused
-    )
+    state, request, turning = pairs[0].state, pairs[0].request, library.turning
+    skills, refused = sorted(library.knowledge.skills), library.knowledge.refused
+    if turning is None:
+        spec = pair_specification(state, request, library.classes, skills, forbidden=refused)
+    else:
+        spec = heading_pair_specification(state, request, turning, skills, forbidden=refused)
     write_text_whole(path, writers[path.suffix](spec))

@@ -39,6 +39,10 @@ def terrain(
     classes: Annotated[
         str, typer.Option(help="The set of classes, for segmented terrains, which name none.")
     ] = "unstructured-8",
+    yaw: Annotated[bool, typer.Option("--yaw", help="The robot turns in place, by 90 degrees.")] = False,
+    no_sideways: Annotated[
+        bool, typer.Option("--no-sideways", help="With --yaw: it walks forward and backward only.")
+    ] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="The terrain file to write.")] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="A picture (PNG): polygons and classes.")] = None,
     as_json: AsJson = False,
@@ -48,6 +52,7 @@ def terrain(
     Examples:
       surefoot skills terrain unstructured-8 --seed 3 -o terrain.yaml --plot terrain.png
       surefoot skills terrain rebar-14 --grid 5x5 -o terrain.yaml
+      surefoot skills terrain zig-zag --yaw --no-sideways -o zig-zag.yaml
       surefoot skills terrain stairs.json --classes unstructured-8 --plot terrain.png
 
     Exit code 0: there are places to stand; 2: the terrain cannot be used.
@@ -55,7 +60,7 @@ def terrain(
     from surefoot.skills.grid import terrain_set
     from surefoot.skills.terrain_file import write_terrain
 
-    made = _terrain(scene, seed, grid, classes)
+    made = _turning(_terrain(scene, seed, grid, classes), yaw, no_sideways)
     begin = time.perf_counter()
     states = terrain_set(made)
     taken = time.perf_counter() - begin
@@ -72,6 +77,8 @@ def terrain(
         "polygons": len(made.polygons),
         "cells": list(made.cells),
         "grid": list(made.grid),
+        "yaw": made.yaw,
+        "directions": [way.value for way in made.directions],
         "terrain_states": len(states.states),
         "pairs": len(states.pairs()),
         "labels": dict(sorted(labels.items())),
@@ -93,6 +100,19 @@ def _terrain(scene: str, seed: int, grid: str, classes: str) -> QuadrupedTerrain
     if sides is None:
         raise InputError(f"needs two odd numbers such as 3x3 or 5x5, not {grid!r}", key="grid")
     return generated(scene, seed, grid=(int(sides[1]), int(sides[2])))
+
+
+def _turning(made: QuadrupedTerrain, yaw: bool, no_sideways: bool) -> QuadrupedTerrain:
+    """Return a terrain whose robot turns in place, if that is asked for."""
+    from dataclasses import replace
+
+    from surefoot.errors import InputError
+    from surefoot.skills.values import Direction
+
+    if no_sideways and not (yaw or made.yaw):
+        raise InputError("is a choice for a robot that turns: give --yaw too", key="--no-sideways")
+    ways = (Direction.FORWARD, Direction.BACKWARD)
+    return replace(made, yaw=yaw or made.yaw, directions=ways if no_sideways else made.directions)
 
 
 def _counted(counts: Counter[str]) -> list[str]:
@@ -238,7 +258,7 @@ def _summary(results: Sequence[CheckResult], taken_s: float) -> dict[str, Any]:
                 "primitive": one.primitive.name,
                 "verdict": one.verdict.value,
                 "gait": one.gait,
-                "explanation": one.explanation,
+                "explanation": one.explanation or None,
                 "horizon_s": one.horizon_s,
                 "cost": one.cost,
                 "time_s": one.time_s,

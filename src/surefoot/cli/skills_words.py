@@ -6,9 +6,11 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from surefoot.cli.skills_heading_words import heading_lines, turn_lines
+from surefoot.skills.headings import Turning
 from surefoot.skills.library import SkillLibrary
 from surefoot.skills.manager import Outcome, PairAnswer
-from surefoot.skills.values import OBSTACLE, Cell, Direction, Physics, Primitive
+from surefoot.skills.values import OBSTACLE, Cell, Direction, Physics, Primitive, TerrainState
 
 _ARROWS = {Direction.FORWARD: "^", Direction.BACKWARD: "v", Direction.LEFT: "<", Direction.RIGHT: ">", None: "*"}
 
@@ -24,7 +26,7 @@ def library_object(library: SkillLibrary) -> dict[str, Any]:
             for one, skill in sorted(library.skills.items())
         ],
         "refused": [
-            {"primitive": result.primitive.name, "verdict": result.verdict.value, "why": result.explanation}
+            {"primitive": result.primitive.name, "verdict": result.verdict.value, "why": result.explanation or None}
             for result in results
             if result.verdict is not Physics.FEASIBLE
         ],
@@ -45,6 +47,7 @@ def library_lines(library: SkillLibrary) -> list[str]:
         "moves from the class of the row to that of the column: F forward, B backward, L left, R right;",
         "! infeasible, ? undecided, . never asked about",
         *_table(library),
+        *([] if library.turning is None else turn_lines(library, library.turning)),
         "",
         f"skills by gait: {_counted(library)}",
         *(["", "refused:"] if refused else []),
@@ -53,14 +56,25 @@ def library_lines(library: SkillLibrary) -> list[str]:
     ]
 
 
-def state_lines(pairs: Sequence[PairAnswer]) -> list[str]:
-    """Return the classes of a terrain state, and for every request the way to it, or why there is none."""
-    state = pairs[0].state
+def state_lines(state: TerrainState, pairs: Sequence[PairAnswer], turning: Turning | None = None) -> list[str]:
+    """Return the classes of a terrain state, and for every request the way to it, or why there is none.
+
+    Args:
+        state: the classes.
+        pairs: of the state; it has none if all that could be asked for are obstacles.
+        turning: of a library with headings.
+    """
     width = max(len(label) for row in state.labels for label in row)
     lines = ["  ".join(label.ljust(width) for label in row).rstrip() for row in state.labels]
+    if turning is not None:
+        lines += ["", "^ < v > walks over the grid, L and R turn in place, * stays, # obstacle, . no way from here"]
+    lines += [] if pairs else ["", "nothing can be asked for: all those cells are obstacles"]
     for pair in pairs:
         lines += ["", f"to {pair.request}: {pair.outcome}" + (f", with {_names(pair.new)}" if pair.new else "")]
-        lines += _picture(pair) if pair.why is None else [f"  {pair.why.text}"]
+        if pair.why is not None:
+            lines.append(f"  {pair.why.text}")
+        else:
+            lines += _picture(pair) if turning is None else heading_lines(turning, pair)
     return lines
 
 

@@ -80,11 +80,13 @@ def synth(
     Exit code 0: realizable; 1: unrealizable; 2: the specification cannot be
     used; 3: a limit was reached.
     """
-    from surefoot.compute import peak_memory_mb
+    from surefoot.compute import check_writable, peak_memory_mb
     from surefoot.logic import read_specification
 
     begun = time.process_time()
     specification = read_specification(spec)
+    if output is not None:
+        check_writable(output)
     with progress() as say:
         say(f"solving {spec.name}")
         solved = solve(
@@ -143,8 +145,12 @@ def _size_in_words(strategy: Transducer | Ranking) -> str:
     from surefoot.logic.ranking import Ranking
 
     if isinstance(strategy, Ranking):
-        return f"of {len(strategy.layers)} layers"
-    return f"of {strategy.nodes} states"
+        return _counted(len(strategy.layers), "layer")
+    return _counted(strategy.nodes, "state")
+
+
+def _counted(number: int, what: str) -> str:
+    return f"of {number} {what}{'s' * (number != 1)}"
 
 
 def certify(

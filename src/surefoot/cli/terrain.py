@@ -118,6 +118,8 @@ def _segmented(
     from surefoot.world import read_elevation, segment_terrain, terrain_of_regions
     from surefoot.world.planar_regions import carries_planar_regions, read_planar_regions
 
+    if not source.exists():
+        raise InputError("does not exist; give the path of a scan", source=source)
     if carries_planar_regions(source, topic):
         for name, value in given.items():
             if value is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -81,7 +81,7 @@ def _sentence(
         about = here.get("description")
         return f"is required{f' ({about})' if about else ''}"
     if detail["type"] == "extra_forbidden":
-        return _unknown_key(str(detail["loc"][-1]), list(parent.get("properties", ())))
+        return unknown_key(str(detail["loc"][-1]), list(parent.get("properties", ())))
     if detail["type"] in {"model_type", "dict_type", "model_attributes_type"}:
         return f"needs a mapping with keys among {', '.join(here.get('properties', ()))}, not {_shown(detail['input'])}"
     sentence = _SENTENCES.get(detail["type"])
@@ -90,7 +90,8 @@ def _sentence(
     return sentence(context, detail["input"])
 
 
-def _unknown_key(key: str, allowed: list[str]) -> str:
+def unknown_key(key: str, allowed: Sequence[str]) -> str:
+    """Return the sentence that refuses a key, with the allowed one that it resembles."""
     near = get_close_matches(key, allowed, n=1)
     hint = f" (did you mean {near[0]}?)" if near else ""
     return f"is not a known key{hint}; allowed are {', '.join(allowed)}"

@@ -21,6 +21,7 @@ from surefoot.games.symbolic import SymbolicGame, SymbolicResult, solve_symbolic
 
 FIRST_SHARE = 400_000  # new nodes; some tenths of a second
 _GROWTH = 4
+_THREAD = "symbolic engine"
 _GRACE_S = 0.5
 _T = TypeVar("_T")
 
@@ -76,6 +77,11 @@ def _never(winning: Set) -> bool:
     return False
 
 
+def left_behind() -> bool:
+    """Return whether a computation that was given up still runs."""
+    return any(thread.name == _THREAD for thread in threading.enumerate())
+
+
 def watched(work: Callable[[], _T], deadline: Deadline) -> _T:
     """Return what a computation returns, or give up on time even inside one long operation of the back end.
 
@@ -93,7 +99,7 @@ def watched(work: Callable[[], _T], deadline: Deadline) -> _T:
         except BaseException as problem:
             outcome.append((None, problem))
 
-    thread = threading.Thread(target=run, name="symbolic engine", daemon=True)
+    thread = threading.Thread(target=run, name=_THREAD, daemon=True)
     thread.start()
     thread.join(None if deadline.end_s == inf else max(deadline.end_s - monotonic(), 0.0) + _GRACE_S)
     if not outcome:

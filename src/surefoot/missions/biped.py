@@ -46,9 +46,10 @@ class RunAnswer:
     Attributes:
         steps: walking steps.
         goals_reached: how often each goal was reached.
-        collisions: turns with a shared cell or a swap, as the checker counts them.
+        decisions: orders of the navigation strategy.
+        collisions: decisions with a shared cell or a swap, as the checker counts them.
         unsafe_steps: steps for which no candidate satisfied the theorems.
-        turns: quarter turns that were completed.
+        turns: quarter turns of the robot that were completed.
         waypoint_corrections: steps that shifted their waypoint sideways.
         belief_violations: turns at which an obstacle that the robot did not see was outside its belief.
         assumption_violations: assumptions of the obstacles that the robot saw broken.
@@ -65,11 +66,13 @@ class RunAnswer:
         plan_ms_p95: its 95th percentile.
         verified: whether the independent checker accepted the log.
         findings: what it refused.
+        failures: why the mission was not reached, a sentence each; empty when it was.
         notes: what the user should know.
         out: the run folder.
     """
 
     steps: int
+    decisions: int
     goals_reached: tuple[int, ...]
     collisions: int
     unsafe_steps: int
@@ -89,14 +92,14 @@ class RunAnswer:
     plan_ms_p95: float
     verified: bool
     findings: tuple[str, ...]
+    failures: tuple[str, ...]
     notes: tuple[str, ...]
     out: Path
 
     @property
     def succeeded(self) -> bool:
         """Return whether every goal was reached safely and the log was verified."""
-        safe = not self.collisions and not self.unsafe_steps and not self.falls
-        return self.verified and min(self.goals_reached) > 0 and safe
+        return not self.failures
 
 
 def run_mission(
@@ -162,6 +165,7 @@ def run_mission(
     times = walk.decision_ms or [0.0]
     return RunAnswer(
         steps=walk.steps,
+        decisions=navigator.turn + 1,
         goals_reached=tuple(navigator.goals_reached),
         collisions=_count(report, "collisions"),
         unsafe_steps=walk.unsafe_steps,
@@ -180,10 +184,33 @@ def run_mission(
         plan_ms_mean=statistics.fmean(times),
         plan_ms_p95=float(np.percentile(times, 95)),
         verified=report.accepted,
-        findings=tuple(f"{finding.rule}: {finding.message} ({finding.where})" for finding in report.findings),
-        notes=tuple(walk.notes),
+        findings=tuple(map(str, report.findings)),
+        failures=failures_of(walk, report),
+        notes=(*walk.notes, *_push_notes(pushes, walk.steps + bool(pusher.falls))),
         out=out,
     )
+
+
+def failures_of(walk: BipedWalk, report: Report) -> tuple[str, ...]:
+    """Return why a mission was not reached: what the robot did, which goals were left, what is wrong with the log."""
+    collisions = _count(report, "collisions")
+    visits = walk.navigator.goals_reached
+    missed = [str(goal) for goal, times in enumerate(visits) if not times]
+    return (
+        *((walk.stopped,) if walk.stopped else ()),
+        *((f"robot and obstacle met in {collisions} decisions",) if collisions else ()),
+        *((f"not visited within {walk.steps} steps: goal {' and goal '.join(missed)}",) if missed else ()),
+        *(() if report.accepted else ("the log was refused by the independent checker, a bug in Surefoot",)),
+    )
+
+
+def _push_notes(pushes: PushSource | None, steps: int) -> tuple[str, ...]:
+    """Return that pushes of a script did not come, if so."""
+    late = () if pushes is None else pushes.after(steps)
+    if not late:
+        return ()
+    named = ", ".join(map(str, late[:5])) + (", ..." if len(late) > 5 else "")
+    return (f"{len(late)} of the pushes did not come: the walk ended before step {named}",)
 
 
 def _warm_up(scene: BipedScene, plan: BipedPlan) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from heapq import heappop, heappush
 from pathlib import Path
+from typing import Any
 
 from surefoot.errors import InputError
 from surefoot.frames import Cell, Direction
@@ -35,6 +37,8 @@ from surefoot.world import (
     read_occupancy_map,
 )
 
+LARGEST_SMALL_CELL_M = 4
+"""The smallest cells that steps fit are looked for up to this size."""
 MOST_CELLS_FOR_EXACT_BELIEF = 40
 """Beyond, the sets in which an obstacle may hide are too many to tell apart, unless the scenario asks for it."""
 
@@ -81,12 +85,14 @@ def read_biped_scene(path: Path) -> BipedScene:
         InputError: with the file and key, if anything in it cannot be used.
     """
     scenario = read_scenario(path)
+    if not scenario.map_path.exists():
+        raise InputError(f"{scenario.map_path} does not exist; name a map", **scenario.place("map"))
     occupancy = read_occupancy_map(scenario.map_path, scenario.map_resolution_m)
     with _placed(scenario):
         robot = biped(scenario.robot)
         given = scenario.walking.model_dump(exclude_none=True)
         walking = walking_parameters(scenario.grid.cell_size_m, **given)
-        library = step_library(walking, robot)
+        library = _library(walking, robot, given)
         inflated_m = inflation_m(walking, robot)
         grid = make_grid(
             occupancy,
@@ -100,6 +106,39 @@ def read_biped_scene(path: Path) -> BipedScene:
         coarse = coarse_map(grid, heights, scenario.sensor.range_m, scenario.navigation.corners)
         problem = _problem(scenario, coarse, inflated_m)
     return BipedScene(path, scenario, occupancy, robot, walking, library, coarse, problem)
+
+
+def _library(walking: WalkingParameters, robot: Biped, given: Mapping[str, Any]) -> StepLibrary:
+    """Return the step library; where no key of the walking block is to blame, the size of the cells is.
+
+    Raises:
+        InputError: naming the key, or the smallest cells with the default numbers.
+    """
+    try:
+        return step_library(walking, robot)
+    except InputError as problem:
+        if (problem.key or "").removeprefix("walking.").split("[")[0] in given or "fine_cells" in given:
+            raise
+        size_m = walking.fine_cell_m * walking.fine_cells
+        allowed = smallest_cell_m(robot, given, size_m)
+        advice = f"cells from {allowed:g} m on are large enough" if allowed else problem.message
+        message = f"{size_m:g} is not allowed: the steps of this robot do not fit cells of that size; {advice}"
+        raise InputError(message, key="grid.cell_size_m") from problem
+
+
+def smallest_cell_m(robot: Biped, given: Mapping[str, Any], above_m: float) -> float | None:
+    """Return the smallest cell above a size, in centimetres, for which all steps satisfy the theorems; None for none.
+
+    Args:
+        robot: the biped.
+        given: the keys of the walking block.
+        above_m: where to begin.
+    """
+    for hundredths in range(math.floor(100 * above_m) + 1, 100 * LARGEST_SMALL_CELL_M):
+        with suppress(InputError):
+            step_library(walking_parameters(hundredths / 100, **given), robot)
+            return hundredths / 100
+    return None
 
 
 def scenario_heights(scenario: Scenario, grid: CoarseGrid, fine_cells: int) -> HeightMap:

@@ -21,11 +21,10 @@ from surefoot.navigation import (
     Action,
     Mode,
     Order,
-    apply_action,
     order_context,
     standing_start,
 )
-from surefoot.walking import Unsafe, WalkingState, WalkingStep, plan_step, standing_state
+from surefoot.walking import Unsafe, WalkingState, plan_step, standing_state
 
 STANDING_TURN_S = 1.0
 """How long a turn lasts in which the robot stays standing."""
@@ -69,13 +68,13 @@ class BipedWalk:
         self.unsafe_steps = self.turns_completed = self.corrections = self.alternating = 0
         self.decision_ms: list[float] = []
         self.notes: list[str] = []
-        self.halted = False
+        self.stopped = ""
 
     def run(self) -> None:
         """Walk until the steps are used up, or no safe step is left."""
         navigator = self.navigator
         idle = 0
-        while self.steps < self.limit and not self.halted:
+        while self.steps < self.limit and not self.stopped:
             before = self.steps
             order = navigator.decide(self.time_s, standing=self.fine.mode == Mode.STANDING)
             if not self._carry_out(order):
@@ -108,55 +107,51 @@ class BipedWalk:
             if action == Action.STAY:
                 self.time_s += STANDING_TURN_S
                 return True
-            step = plan_step(
-                self.walking, self.fine_steps.command(self.fine, action), self.scene.walking, self.scene.robot
-            )
+            planned = self._planned(action)
             self.decision_ms.append(1e3 * (time.perf_counter() - begin))
-            planned = self._planned(step, action)
             if isinstance(planned, Unsafe):
                 self._halt(planned)
                 return False
             push = self.pusher.at(self.steps)
             if push is not None:
-                recovery = PushRecovery(self.outlook, planned, self.fine, action, (cell, target))
+                recovery = PushRecovery(self.outlook, planned, self.fine, (cell, target))
                 found = self.pusher.counted(recovery.recover(push))
                 if isinstance(found, Fallen):
                     self._fall(found)
                     return False
-                achieved = self._book(found.walked, action, target, found.push)
+                achieved = self._book(found.walked, target, found.push)
             else:
-                achieved = self._book(planned, action, target)
+                achieved = self._book(planned, target)
         if not order.waits:
             self.navigator.arrive(target, order.direction, self.steps)
         return True
 
-    def _planned(self, step: WalkingStep | Unsafe, action: int) -> Displaced | Unsafe:
-        """Return what a planned step leads to; after a push one that cannot be walked may have its waypoint moved."""
-        if isinstance(step, WalkingStep):
-            outcome = step.sagittal_cells, step.lateral_cells
-            return Displaced(step, apply_action(self.plan.rules.tables, self.fine, action, *outcome), outcome)
-        return (self.outlook.corrected(self.walking, self.fine, action) if self.pusher.pushes else None) or step
+    def _planned(self, action: int) -> Displaced | Unsafe:
+        """Return the next step, and what it leads to; after a push its waypoint may be moved for what follows."""
+        if self.pusher.pushes:
+            return self.outlook.onward(self.walking, self.fine, action)
+        command = self.fine_steps.command(self.fine, action)
+        step = plan_step(self.walking, command, self.scene.walking, self.scene.robot)
+        return step if isinstance(step, Unsafe) else self.outlook.booked(step, self.fine, action)
 
     def _fall(self, fallen: Fallen) -> None:
         """Log that nothing recovers a push."""
-        self.halted = True
-        text = f"the robot falls, {fallen.reason}; the push was {-fallen.margin_mps:.3f} m/s too large"
-        self.notes.append(f"step {self.steps}: {text}")
+        text = f"{fallen.reason}; the push was {-fallen.margin_mps:.3f} m/s too large"
+        self.stopped = f"the robot fell in step {self.steps}, {text}"
         lost = {"reason": fallen.reason, "margin_mps": fallen.margin_mps, "push": fallen.push}
         self.writer.write("fall", step=self.steps, time_s=self.time_s, **lost)
 
     def _halt(self, unsafe: Unsafe) -> None:
         """Log that no step is safe; the robot stops. Soon after a push that counts as a fall."""
         self.unsafe_steps += 1
-        self.halted = True
         blame = self.pusher.blamed()
         after = "" if blame is None else f", after the push of step {blame}"
-        self.notes.append(f"step {self.steps}: {unsafe.reason}{after}")
+        self.stopped = f"the robot stopped before step {self.steps}: {unsafe.reason}{after}"
         self.writer.write("unsafe", step=self.steps, time_s=self.time_s, reason=unsafe.reason, after_push=blame)
 
-    def _book(self, walked: Displaced, action: int, target: int, push: dict[str, Any] | None = None) -> bool:
+    def _book(self, walked: Displaced, target: int, push: dict[str, Any] | None = None) -> bool:
         """Log a step and give its outcome to the action game as the environment's move."""
-        before, step, moved = self.fine, walked.step, walked.moved
+        before, step, moved, action = self.fine, walked.step, walked.moved, walked.action
         flag = transition(walked.outcome, walked.cells, step.yaw_rad - self.scene.grid.rotation_rad)
         self.writer.write(
             "step",

@@ -15,6 +15,15 @@ from surefoot.navigation import CoarseMap, ObstacleKinds, ObstacleState, Order, 
 Seen = tuple[tuple[int, ...], ...]
 """For every kind the cells in which its obstacles are seen, ascending."""
 
+VIOLATIONS = {
+    "collides": "enters the cell in which the robot stands",
+    "forbidden": "is in a cell that it must never enter",
+    "jumps": "jumps farther than it can go",
+    "appears": "appears where it could not be",
+    "vanishes": "is missing where it ought to be seen",
+}
+"""What an obstacle does that breaks an assumption, in words."""
+
 
 @dataclass(frozen=True, slots=True)
 class Violation:

@@ -14,7 +14,7 @@ from surefoot.errors import CertificateRejected
 from surefoot.frames import Direction
 from surefoot.missions.biped_scene import BipedScene
 from surefoot.missions.legs import Legs
-from surefoot.missions.monitor import Seen, Violation, explained, reset, safe_order, seen_of, violations
+from surefoot.missions.monitor import VIOLATIONS, Seen, Violation, explained, reset, safe_order, seen_of, violations
 from surefoot.missions.obstacle_policies import Crowd
 from surefoot.missions.replanning import Guide, replanned
 from surefoot.missions.run_writer import RunWriter
@@ -177,7 +177,8 @@ class Navigator:
         for broken in self._broken:
             cell = None if broken.cell is None else self._place(broken.cell)
             self.writer.write("violation", turn=self.turn, time_s=time_s, **{**asdict(broken), "cell": cell})
-            self.progress(f"turn {self.turn}: an obstacle {broken.violation}; the robot stops and plans again")
+            told = f"an obstacle {VIOLATIONS[broken.violation]}; the robot stops and plans again"
+            self.progress(f"decision {self.turn}: {told}")
         self._assumption_violations += len(self._broken)
         self._broken = ()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from surefoot.documents import Loc, read_yaml
+from surefoot.documents import Loc, read_yaml, unknown_key
 from surefoot.errors import InputError
 from surefoot.missions.obstacle_bodies import Body
 from surefoot.missions.obstacle_policies import Situation
@@ -15,7 +15,7 @@ FARTHEST_M = 1e6
 TURNS_ROUND_AFTER = 3
 _KNOWN = {"format": 1, "kind": "obstacle-script"}
 _FLAGS = ("repeat", "breaks_assumptions")
-_KEYS = "the keys are format, kind, positions_m, repeat and breaks_assumptions"
+_KEYS = (*_KNOWN, "positions_m", *_FLAGS)
 
 
 _Lines = dict[Loc, int]
@@ -90,9 +90,13 @@ def read_script(path: Path, grid: CoarseGrid, bodies: tuple[Body, ...]) -> Scrip
     content, lines = document.value, document.lines
     if not isinstance(content, dict) or {key: content.get(key) for key in _KNOWN} != _KNOWN:
         raise InputError("must be a mapping with format: 1, kind: obstacle-script and positions_m", source=path)
+    strange = next((key for key in content if key not in _KEYS), None)
+    if strange is not None:
+        raise InputError(unknown_key(strange, _KEYS), source=path, line=lines.get((strange,)), key=strange)
     positions = content.get("positions_m")
-    if set(content) - {*_KNOWN, *_FLAGS, "positions_m"} or not isinstance(positions, tuple):
-        raise InputError(f"{_KEYS}; positions_m is a list of [x, y] in metres, or a list of those", source=path)
+    if not isinstance(positions, tuple):
+        message = "has to be a list of [x, y] in metres, or a list of such lists"
+        raise InputError(message, source=path, line=lines.get(("positions_m",)), key="positions_m")
     repeat, breaks = (_flag(path, content, lines, name) for name in _FLAGS)
     tours = _tours(path, grid, positions, lines, len(bodies))
     script = Script(tuple(tuple(cell for cell, _ in tour) for tour in tours), repeat, breaks)
@@ -127,10 +131,9 @@ def _tours(path: Path, grid: CoarseGrid, positions: tuple[object, ...], lines: _
     tours = []
     for number, tour in enumerate(lists):
         place: Loc = ("positions_m", number) if several else ("positions_m",)
-        if not isinstance(tour, tuple):
-            raise InputError(
-                "must be a list of [x, y] in metres", source=path, line=lines.get(place), key=_dotted(place)
-            )
+        if not isinstance(tour, tuple) or not tour:
+            message = "must be a list of [x, y] in metres, of at least one"
+            raise InputError(message, source=path, line=lines.get(place), key=_dotted(place))
         stops = [(*place, index) for index in range(len(tour))]
         tours.append(
             [

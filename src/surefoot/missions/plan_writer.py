@@ -7,14 +7,14 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from surefoot import __version__
-from surefoot.compute import sha256_of, write_text_whole
+from surefoot.compute import check_writable, sha256_of, write_text_whole
 from surefoot.errors import InputError
 from surefoot.frames import Direction
 from surefoot.missions.biped_scene import BipedScene
@@ -142,7 +142,7 @@ def reference(path: Path, folder: Path) -> dict[str, str]:
 
 
 def check_plan_folder(out: Path) -> None:
-    """Refuse to plan into a folder that holds something else than an older plan."""
+    """Refuse to plan into a folder that holds something else than an older plan, or that cannot be written."""
     if out.exists() and not out.is_dir():
         raise InputError("is a file; name a folder for the plan", source=out)
     others = sorted({path.name for path in out.iterdir()} - PLAN_FILES) if out.is_dir() else []
@@ -152,6 +152,7 @@ def check_plan_folder(out: Path) -> None:
         )
     if (out / "plan.json").exists():
         read_plan_document(out)
+    check_writable(out / "plan.json")
 
 
 @contextmanager
@@ -161,6 +162,7 @@ def replaced_plan_folder(out: Path) -> Iterator[Path]:
     plan.json comes last, so that a plan that was only half replaced does not fit its own hashes.
     """
     place = out.resolve()
+    new = [parent for parent in place.parents if not parent.exists()]
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(dir=place.parent, prefix=f".{place.name}."))
@@ -174,3 +176,6 @@ def replaced_plan_folder(out: Path) -> Iterator[Path]:
             path.replace(place / path.name)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+        for parent in new if not place.exists() else ():
+            with suppress(OSError):
+                parent.rmdir()

@@ -27,6 +27,7 @@ from surefoot.navigation import (
     solve_action,
     solve_navigation,
 )
+from surefoot.navigation.obstacle_play import Play
 from surefoot.verdict import Verdict
 
 Progress = Callable[[str], None]
@@ -46,7 +47,7 @@ class PlanAnswer:
         peak_mb: largest resident size of the process [MB].
         verified: whether the independent checkers accepted the saved plan.
         witness: why the scenario is unrealizable, if it is.
-        play: how the obstacles keep the robot from its goals, a sentence a turn, if they can.
+        play: how the obstacles keep the robot from its goals, turn by turn, if they can.
         notes: what the user should know about the plan.
         out: the plan folder, None when there is none.
     """
@@ -60,7 +61,7 @@ class PlanAnswer:
     peak_mb: float
     verified: bool
     witness: str | None
-    play: tuple[str, ...]
+    play: Play | None
     notes: tuple[str, ...]
     out: Path | None
 
@@ -114,6 +115,8 @@ def _solved(scene: BipedScene, out: Path, progress: Progress, deadline: Deadline
             statistics = {"navigation_states": navigation_states, "action_states": action_states}
             write_plan(folder, scene, rules, navigation, action, start, statistics)
             _verify(folder)
+    else:
+        notes += _older_note(out)
     reasons = [
         verdict.witness.reason for verdict in (navigation_verdict, action_verdict) if verdict.witness is not None
     ]
@@ -127,10 +130,17 @@ def _solved(scene: BipedScene, out: Path, progress: Progress, deadline: Deadline
         peak_mb=peak_memory_mb(),
         verified=not reasons,
         witness="; ".join(reasons) or None,
-        play=() if navigation_verdict.witness is None else navigation_verdict.witness.play,
+        play=None if navigation_verdict.witness is None else navigation_verdict.witness.play,
         notes=tuple(notes),
         out=None if reasons else out,
     )
+
+
+def _older_note(out: Path) -> list[str]:
+    """Return that an older plan stays where the new one was to be, if so."""
+    if not (out / "plan.json").is_file():
+        return []
+    return [f"the older plan in {out} was left as it is; it is not a plan of this scenario as it stands"]
 
 
 def _navigation(

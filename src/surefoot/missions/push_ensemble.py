@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from surefoot.missions.biped import run_mission
+from surefoot.compute import Deadline, each_answer, process_pool
+from surefoot.missions.biped import RunAnswer, run_mission
 from surefoot.missions.planning import plan_mission
 from surefoot.missions.pushes import RandomPushes
 from surefoot.missions.scenes import scene_path
@@ -53,14 +54,26 @@ class PushRow:
         return f"{100 * count / max(1, self.pushes):.1f} %"
 
 
+@dataclass(frozen=True, slots=True)
+class _Walk:
+    """One walk of the ensemble: its pushes, and the plan that it follows."""
+
+    size_mps: float
+    side_size_mps: float
+    seed: int
+    steps: int
+    plan: Path
+
+
 def push_ensemble(
     sizes_mps: Iterable[tuple[float, float]] = SIZES_MPS,
     seeds: Iterable[int] = SEEDS,
     steps: int = STEPS,
     plan_dir: Path | None = None,
     progress: Callable[[str], None] = lambda _: None,
+    workers: int | None = None,
 ) -> tuple[PushRow, ...]:
-    """Walk the two-room scene for every seed and size of push.
+    """Walk the two-room scene for every seed and size of push, in parallel.
 
     Args:
         sizes_mps: largest jumps ahead and sideways.
@@ -68,39 +81,40 @@ def push_ensemble(
         steps: of a walk that nobody fells.
         plan_dir: a plan of the scene; it is planned when none is given.
         progress: is told what happens.
+        workers: processes; None means one per core.
     """
+    sizes, seeds = tuple(sizes_mps), tuple(seeds)
     with tempfile.TemporaryDirectory(prefix="surefoot-pushes-") as name:
         plan = plan_dir or Path(name) / "plan"
         if plan_dir is None:
             plan_mission(scene_path(SCENE), plan, progress)
-        return tuple(_row(size, side, tuple(seeds), steps, plan, Path(name), progress) for size, side in sizes_mps)
+        walks = [_Walk(*size, seed, steps, plan) for size in sizes for seed in seeds]
+        found: list[RunAnswer | None] = [None] * len(walks)
+        with process_pool(workers, preload=("surefoot.missions.push_ensemble",)) as executor:
+            for done, (place, run) in enumerate(each_answer(executor, _walked, walks, Deadline()), 1):
+                found[place] = run
+                progress(f"{done} of {len(walks)} walks")
+    runs = [run for run in found if run is not None]
+    return tuple(_row(size, runs[i * len(seeds) : (i + 1) * len(seeds)]) for i, size in enumerate(sizes))
 
 
-def _row(
-    size: float,
-    side: float,
-    seeds: tuple[int, ...],
-    steps: int,
-    plan: Path,
-    folder: Path,
-    progress: Callable[[str], None],
-) -> PushRow:
-    progress(f"walking with pushes of up to {size:g} and {side:g} m/s")
-    runs = [
-        run_mission(
+def _walked(walk: _Walk) -> RunAnswer:
+    """Return what one walk did."""
+    with tempfile.TemporaryDirectory(prefix="surefoot-pushes-") as name:
+        return run_mission(
             scene_path(SCENE),
-            plan,
-            steps=steps,
-            seed=seed,
+            walk.plan,
+            steps=walk.steps,
+            seed=walk.seed,
             obstacle="random",
-            out=folder / "run",
-            pushes=RandomPushes(seed, size, side),
+            out=Path(name) / "run",
+            pushes=RandomPushes(walk.seed, walk.size_mps, walk.side_size_mps),
         )
-        for seed in seeds
-    ]
+
+
+def _row(size_mps: tuple[float, float], runs: list[RunAnswer]) -> PushRow:
     return PushRow(
-        size,
-        side,
+        *size_mps,
         pushes=sum(run.pushes for run in runs),
         in_region=sum(run.recovered_in_region for run in runs),
         by_step=sum(run.recovered_by_step for run in runs),

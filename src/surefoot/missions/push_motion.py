@@ -178,6 +178,8 @@ def region_motion(planned: Planned, window_mps: tuple[float, float], aim_mps: fl
     """
     start = planned.start_m
     length = planned.next_foot.ahead_m - start
+    if length <= 0:
+        return None
     controller = step_controller(length, planned.foot.ahead_m - start, window_mps)
     x, v = planned.pushed.ahead_m - start, planned.pushed.ahead_mps
     if not controller.contains(x, v, "second" if planned.switched else "first"):
@@ -233,12 +235,32 @@ def capture_motion(planned: Planned, apex_speed_mps: float, fine_cell_m: float) 
     )
     if not found.recovered:
         return found.margin_mps
-    omega, before = step.omega_radps, 0.0
-    if found.switch_m > body.ahead_m:
-        reach = (found.switch_m - foot.ahead_m) + found.switch_velocity_mps / omega
-        before = math.log(reach / ((body.ahead_m - foot.ahead_m) + body.ahead_mps / omega)) / omega
-    after = math.asinh(omega * (found.foot_m - found.switch_m) / found.apex_velocity_mps) / omega
-    return landed(planned, ((before, omega),) if before else (), ((after, omega),), found.foot_m) or -math.inf
+    return _switched(planned, found.switch_m, found.switch_velocity_mps, found.foot_m, found.apex_velocity_mps)
+
+
+def meeting_motion(planned: Planned, foot_ahead_m: float, apex_speed_mps: float) -> Motion | float:
+    """Return how an earlier or later switch leads over a foot at a place with an apex speed; -infinity when none does.
+
+    The switch is where the orbit of the pushed CoM meets that of the apex (Eqs. 17-18).
+    """
+    omega, body, foot = planned.step.omega_radps, planned.pushed, planned.foot.ahead_m
+    gap, behind = foot_ahead_m - foot, body.ahead_m - foot
+    energy = body.ahead_mps**2 - (omega * behind) ** 2
+    if gap <= 0 or body.ahead_mps <= 0 or (behind < 0 and energy <= 0):
+        return -math.inf
+    at = 0.5 * (foot + foot_ahead_m + (apex_speed_mps**2 - energy) / (omega**2 * gap))
+    if not body.ahead_m <= at < foot_ahead_m:
+        return -math.inf
+    return _switched(planned, at, math.sqrt(energy + (omega * (at - foot)) ** 2), foot_ahead_m, apex_speed_mps)
+
+
+def _switched(planned: Planned, at_m: float, speed_mps: float, foot_m: float, apex_speed_mps: float) -> Motion | float:
+    """Return the motion with the robot's omega and a known switch; -infinity when it leaves no time to steer."""
+    omega, body, stance, before = planned.step.omega_radps, planned.pushed, planned.foot.ahead_m, 0.0
+    if at_m > body.ahead_m:
+        before = math.log((at_m - stance + speed_mps / omega) / (body.ahead_m - stance + body.ahead_mps / omega))
+    after = math.asinh(omega * (foot_m - at_m) / apex_speed_mps) / omega
+    return landed(planned, ((before / omega, omega),) if before else (), ((after, omega),), foot_m) or -math.inf
 
 
 def held_motion(planned: Planned, first_radps: float, then_radps: float) -> Motion | float:

@@ -9,19 +9,27 @@ Source: Shamsah et al., T-RO 2023, Section VII and Fig. 12; docs/reach.md, secti
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import product
 from typing import Any
 
 from surefoot.missions.fine_steps import FineSteps
-from surefoot.missions.push_motion import OMEGAS_RADPS, Motion, Planned, capture_motion, held_motion, region_motion
+from surefoot.missions.push_motion import (
+    OMEGAS_RADPS,
+    Motion,
+    Planned,
+    capture_motion,
+    held_motion,
+    meeting_motion,
+    region_motion,
+)
 from surefoot.missions.push_outlook import FARTHEST_CELLS, Displaced, Outlook
 from surefoot.missions.pushed_step import Way, Window, walked
 from surefoot.missions.pushes import StepPush
-from surefoot.navigation import Action, FineState, displace_action
-from surefoot.walking import WalkingStep
+from surefoot.navigation import Action, FineState, Moved, displace_action
+from surefoot.walking import WalkingState, WalkingStep
 from surefoot.walking.library import STOP_SPEED_MPS
 
 WINDOWS_MPS = ((0.2, 0.45), (0.45, 0.7))
@@ -30,9 +38,13 @@ USUAL_RISK = 0.2
 """Risks of undisturbed walking stay below."""
 LAW_RISK = 0.3
 """The law of the region is preferred to a displaced foot up to this risk."""
-MARGIN_TRIALS = 12
+MARGIN_TRIALS = 8
+FAR_WAYS = 30
+"""Of so many ways out at most the outlook is judged with displaced next steps, which takes long."""
 FASTEST_MPS = 1.0
 _SPEED_STEP_MPS = 0.05
+_NOT_OVER = "the CoM does not get over its foot"
+Judge = Callable[[WalkingState, Moved], float | str]
 
 
 class Recovery(StrEnum):
@@ -82,20 +94,23 @@ class PushRecovery:
         outlook: judges how the walk goes on.
         plan: the step as planned.
         state: of the action game, before the step.
-        action: that the step carries out.
         cells: the coarse cell of the robot, and the one that its order leads to.
     """
 
     outlook: Outlook
     plan: Displaced
     state: FineState
-    action: int
     cells: tuple[int, int]
 
     @property
     def step(self) -> WalkingStep:
         """Return the planned step."""
         return self.plan.step
+
+    @property
+    def action(self) -> int:
+        """Return the action that the step carries out."""
+        return self.plan.action
 
     @property
     def fine_steps(self) -> FineSteps:
@@ -124,7 +139,14 @@ class PushRecovery:
         """Return the way out of a push, or why the last one fails."""
         time_s = instant * (self.step.first_half_s + self.step.second_half_s)
         planned = Planned.of(self.step, time_s, jump_mps)
-        reason, best, least = "the CoM does not get over its foot", None, math.inf
+        found = self._best(planned, self.outlook.risk, math.inf)
+        if isinstance(found, str) and found != _NOT_OVER:
+            found = self._best(planned, self.outlook.far_risk, FAR_WAYS)
+        return found
+
+    def _best(self, planned: Planned, judged: Judge, most: float) -> Recovered | str:
+        """Return the best of the first ways out as their outlook is judged, or why the last one fails."""
+        reason, best, least = _NOT_OVER, None, math.inf
         for motion, window in self._motions(planned):
             if window is None and least <= LAW_RISK and best is not None and best.push["window_mps"] is not None:
                 return best
@@ -132,13 +154,18 @@ class PushRecovery:
                 continue
             for way in self._ways(planned, motion, window):
                 step = self._step(way)
-                risk = step if isinstance(step, str) else self.outlook.risk(step.next_state(), way.moved)
+                if isinstance(step, str):
+                    reason = step
+                    continue
+                risk, most = judged(step.next_state(), way.moved), most - 1
                 if isinstance(risk, str):
                     reason = risk
-                elif not isinstance(step, str) and risk < least:
+                elif risk < least:
                     best, least = self._recovered(way, step), risk
-                if least <= USUAL_RISK and best is not None:
+                if best is not None and (least <= USUAL_RISK or most <= 0):
                     return best
+                if most <= 0:
+                    return reason
         return best or reason
 
     def _motions(self, planned: Planned) -> Iterator[tuple[Motion | float, Window | None]]:
@@ -160,10 +187,22 @@ class PushRecovery:
             for first, then in product((low, omega, high), repeat=2):
                 yield held_motion(planned, first, then), None
             return
+        yield capture_motion(planned, speed, self.outlook.scene.walking.fine_cell_m), None
+        yield from ((motion, None) for motion in self._placed_motions(planned))
+
+    def _placed_motions(self, planned: Planned) -> Iterator[Motion | float]:
+        """Yield motions of a foot in the air: other switches with the foot on a waypoint, then other capture speeds.
+
+        A foot on its waypoint needs no more level floor than a planned one, which matters on stairs.
+        """
+        speed, cell = self.step.next_apex_speed_mps, self.outlook.scene.walking.fine_cell_m
         count = round((FASTEST_MPS - STOP_SPEED_MPS) / _SPEED_STEP_MPS)
         speeds = sorted((STOP_SPEED_MPS + _SPEED_STEP_MPS * k for k in range(count + 1)), key=lambda v: abs(v - speed))
-        for wished in (speed, *speeds):
-            yield capture_motion(planned, wished, self.outlook.scene.walking.fine_cell_m), None
+        for cells in sorted(range(-FARTHEST_CELLS, FARTHEST_CELLS + 1), key=abs):
+            for wished in (speed, *speeds):
+                yield meeting_motion(planned, planned.next_foot.ahead_m + cell * cells, wished)
+        for wished in speeds:
+            yield capture_motion(planned, wished, cell)
 
     def _ways(self, planned: Planned, motion: Motion, window: Window | None) -> Iterator[Way]:
         """Yield what a motion may mean for the action game."""
@@ -216,4 +255,4 @@ class PushRecovery:
     def _recovered(self, way: Way, step: WalkingStep) -> Recovered:
         cell = self.outlook.scene.walking.fine_cell_m
         by = Recovery.REGION if way.in_region(cell) else Recovery.STEP
-        return Recovered(Displaced(step, way.moved, way.outcome, way.displaced), by, way.record(cell))
+        return Recovered(Displaced(step, way.moved, self.action, way.outcome, way.displaced), by, way.record(cell))

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from surefoot.documents import read_yaml
+from surefoot.documents import Loc, dotted, read_yaml, unknown_key
 from surefoot.errors import InputError
 
 HARDEST_MPS = 10.0
 MOST_STEPS = 10_000_000
+_KNOWN = {"format": 1, "kind": "push-script"}
 _KEYS = ("step", "instant", "sagittal_mps", "lateral_mps")
 
 
@@ -54,6 +55,9 @@ class PushSource(Protocol):
     def at(self, step: int) -> StepPush | None:
         """Return the push during a step; called once for every step, in order."""
 
+    def after(self, steps: int) -> tuple[int, ...]:
+        """Return the steps that are to be pushed, but come after so many steps."""
+
     def described(self, folder: Path) -> dict[str, Any]:
         """Return what the header of a run log in a folder says about the pushes."""
 
@@ -93,6 +97,10 @@ class RandomPushes:
         ahead, left = (chance.uniform(-size, size) for size in (self.size_mps, self.side_size_mps))
         return StepPush(instant, ahead, left)
 
+    def after(self, steps: int) -> tuple[int, ...]:
+        """Return the steps that a script names beyond those that are walked: none."""
+        return ()
+
     def described(self, folder: Path) -> dict[str, Any]:
         """Return what the header of a run log says about the pushes."""
         return {
@@ -118,6 +126,10 @@ class ScriptedPushes:
     def at(self, step: int) -> StepPush | None:
         """Return the push during a step."""
         return self.by_step.get(step)
+
+    def after(self, steps: int) -> tuple[int, ...]:
+        """Return the steps that the script pushes after so many steps."""
+        return tuple(sorted(step for step in self.by_step if step >= steps))
 
     def described(self, folder: Path) -> dict[str, Any]:
         """Return what the header of a run log says about the pushes."""
@@ -154,21 +166,31 @@ def read_pushes(path: Path) -> ScriptedPushes:
     if document.problems:
         raise document.problems[0]
     content = document.value
-    known = {"format": 1, "kind": "push-script"}
-    if not isinstance(content, dict) or {key: content.get(key) for key in known} != known:
+    if not isinstance(content, dict) or {key: content.get(key) for key in _KNOWN} != _KNOWN:
         raise InputError("must be a mapping with format: 1, kind: push-script and pushes", source=path)
+    _only(content, (*_KNOWN, "pushes"), path, document.lines, ())
     listed = content.get("pushes")
-    if set(content) - {*known, "pushes"} or not isinstance(listed, tuple) or not listed:
-        raise InputError("the keys are format, kind and pushes, a list of at least one push", source=path)
+    if not isinstance(listed, tuple) or not listed:
+        message = "has to be a list of at least one push"
+        raise InputError(message, source=path, line=document.lines.get(("pushes",)), key="pushes")
     by_step: dict[int, StepPush] = {}
     for number, entry in enumerate(listed):
         line = document.lines.get(("pushes", number))
+        _only(entry, _KEYS, path, document.lines, ("pushes", number))
         step, push = _push(path, entry, f"pushes[{number}]", line)
         if step in by_step:
             message = f"step {step} is pushed twice; at most one push a step is allowed"
             raise InputError(message, source=path, line=line, key=f"pushes[{number}]")
         by_step[step] = push
     return ScriptedPushes(path, by_step)
+
+
+def _only(mapping: object, allowed: tuple[str, ...], path: Path, lines: Mapping[Loc, int], place: Loc) -> None:
+    """Refuse the first key of a mapping that is not allowed."""
+    strange = next((key for key in mapping if key not in allowed), None) if isinstance(mapping, dict) else None
+    if strange is not None:
+        there = (*place, strange)
+        raise InputError(unknown_key(strange, allowed), source=path, line=lines.get(there), key=dotted(there))
 
 
 def _push(path: Path, entry: object, key: str, line: int | None) -> tuple[int, StepPush]:

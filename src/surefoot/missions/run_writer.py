@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from pathlib import Path
@@ -12,12 +13,17 @@ from typing import IO, Any
 
 from surefoot.errors import InputError
 
+DRAWN = frozenset({"map.png", "belief.png", "phase_space.png", "keyframes.png"})
+"""Pictures that `surefoot view` puts beside a log."""
+_OWN = re.compile(r"replan_[0-9]+\.npz|step_[0-9]+\.png")
+
 
 class RunWriter:
     """A run log that is being written; what has happened is on disk when the process dies.
 
     Args:
-        folder: the run folder; an older log there is replaced, a folder with other content is refused.
+        folder: the run folder; an older log there is replaced, and what was planned and drawn for it is removed; a
+            folder without a log, but with other content, is refused.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -30,6 +36,9 @@ class RunWriter:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._stream: IO[str] = path.open("w", encoding="utf-8")
+            for old in folder.iterdir():
+                if old.name in DRAWN or _OWN.fullmatch(old.name):
+                    old.unlink()
         except OSError as problem:
             raise InputError(f"cannot be written: {problem.strerror}", source=path) from problem
 

@@ -7,6 +7,7 @@ import math
 import os
 import tempfile
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from surefoot.compute import write_text_whole
 from surefoot.errors import InputError, LimitExceeded
 from surefoot.frames import Cell, Direction
 from surefoot.missions._init_layout import Layout, best_grid, lay_out, looping_cells, quarters, square
-from surefoot.world import OccupancyMap, Rectangle, read_occupancy_map
+from surefoot.world import CoarseGrid, OccupancyMap, Rectangle, read_occupancy_map
 
 _LEAST_LOOP = 4
 _EXACT_BELIEF_CELLS = 12
@@ -22,6 +23,9 @@ _TIME_LIMIT_S = 60.0
 _SMALLER = 0.9
 _SIZES_TRIED = 12
 _SHIFTS_TRIED = 8
+_NEAR = 0.05
+_SIZES_NEAR = 5
+_MUCH_MORE = 1.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +93,9 @@ def init_scenario(
     reference = os.path.relpath(map_path.resolve(), out.resolve().parent)
     write_text_whole(out, _text(layout, draft, reference, resolution_m, robot))
     notes = [draft.why] if draft.why else []
+    better = _better_size(occupancy, layout, robot)
+    if better:
+        notes.append(better)
     if checked is None:
         notes.append(f"whether it can be planned was not found out within {time_limit_s:g} s")
     return InitAnswer(out, int(layout.grid.free.sum()), draft.obstacle is not None, checked, tuple(notes))
@@ -128,6 +135,33 @@ def _advice(occupancy: OccupancyMap, cell_size_m: float, robot: str) -> str:
         if len(looping_cells(grid)) >= _LEAST_LOOP:
             return f"smaller cells would do: --cell-size {smaller:g}"
     return "cells small enough for this map are too small for the steps of this robot"
+
+
+def _better_size(occupancy: OccupancyMap, layout: Layout, robot: str) -> str:
+    """Return in words that cells of about the same size would cover much more of the map; empty if none would."""
+    found = [layout.grid]
+    for size_m in _sizes_near(layout.grid.cell_size_m, occupancy.resolution_m):
+        with suppress(InputError):
+            found.append(best_grid(occupancy, size_m, _inflation_m(size_m, robot), most_shifts=_SHIFTS_TRIED))
+    best = max(found, key=_covers)
+    if _covers(best) <= _MUCH_MORE * _covers(layout.grid):
+        return ""
+    free, own, size_m = int(best.free.sum()), int(layout.grid.free.sum()), best.cell_size_m
+    return f"of cells of {size_m:g} m, {free} would be free instead of {own}: --cell-size {size_m:g}"
+
+
+def _sizes_near(size_m: float, pixel_m: float) -> list[float]:
+    """Return the nearest sizes of whole pixels, and of whole decimetres, that differ by a few per cent at most."""
+    low, high = (1 - _NEAR) * size_m, (1 + _NEAR) * size_m
+    pixels = range(math.ceil(low / pixel_m), math.floor(high / pixel_m) + 1)
+    near = {round(count * pixel_m, 6) for count in pixels} | {round(size_m, 1)}
+    return sorted((other for other in near if low <= other <= high), key=lambda other: abs(other - size_m))[
+        :_SIZES_NEAR
+    ]
+
+
+def _covers(grid: CoarseGrid) -> float:
+    return float(grid.free.sum()) * grid.cell_size_m**2
 
 
 def _drafts(layout: Layout) -> Iterator[_Draft]:

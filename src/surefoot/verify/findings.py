@@ -36,19 +36,23 @@ class Report:
         accepted: True when no rule is broken.
         findings: the first findings, at most ``KEPT``.
         counts: sizes and counts of what was checked; ``findings`` counts all of them.
+        failures: what went wrong in a mission, by its own log: the robot fell, or no step was safe. They make no log
+            wrong, and a log that shows them is accepted.
     """
 
     kind: str
     accepted: bool
     findings: tuple[Finding, ...]
     counts: dict[str, object]
+    failures: tuple[Finding, ...] = ()
 
 
 @dataclass(slots=True)
 class Ledger:
-    """Collects findings and counts while a check runs."""
+    """Collects findings, failures and counts while a check runs."""
 
     kept: list[Finding] = field(default_factory=list)
+    failed: list[Finding] = field(default_factory=list)
     total: int = 0
     counts: dict[str, object] = field(default_factory=dict)
 
@@ -58,6 +62,11 @@ class Ledger:
         if len(self.kept) < KEPT:
             self.kept.append(Finding(rule, message, where))
 
+    def fail(self, rule: str, message: str, where: str = "") -> None:
+        """Note what went wrong in a mission whose log says so itself."""
+        self.failed.append(Finding(rule, message, where))
+
     def report(self, kind: str) -> Report:
         """Return what was found."""
-        return Report(kind, self.total == 0, tuple(self.kept), {**self.counts, "findings": self.total})
+        counts = {**self.counts, "findings": self.total}
+        return Report(kind, self.total == 0, tuple(self.kept), counts, tuple(self.failed))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from surefoot.errors import InputError
 from surefoot.verify.artefacts import checked_file
-from surefoot.verify.scenario import _load_yaml as load_yaml
+from surefoot.verify.scenario import load_yaml
 from surefoot.verify.values import Fields
 
 Vector = NDArray[np.float64]
@@ -52,12 +52,13 @@ class Push:
 
 @dataclass(frozen=True, slots=True)
 class Fall:
-    """A push that nothing recovered."""
+    """A push that nothing recovered; the margin is by how much it was too large, negative."""
 
     line: int
     step: int
     time_s: float
     jump_mps: tuple[float, float]
+    margin_mps: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,10 +106,12 @@ def _arcs(fields: Fields, name: str) -> Arcs:
 def read_fall(fields: Fields, line: int) -> Fall:
     """Return a fall record."""
     fields.text("reason")
-    if fields.number("margin_mps") > 0:
+    margin = fields.number("margin_mps")
+    if margin > 0:
         raise fields.wrong("margin_mps", "has to be at most 0")
     push = fields.mapping("push")
-    return Fall(line, fields.whole("step", least=0), push.number("time_s", least=0.0), push.point("jump_mps"))
+    step, time_s = fields.whole("step", least=0), push.number("time_s", least=0.0)
+    return Fall(line, step, time_s, push.point("jump_mps"), margin)
 
 
 def read_pushing(header: Fields, folder: Path) -> Pushing:

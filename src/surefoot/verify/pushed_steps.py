@@ -40,7 +40,7 @@ def check_pushes(
             ledger.refuse(RULE, "transition does not fit outcome and moved_cells", _where(step))
     _check_announced(steps, falls, pushing, ledger)
     for fall in falls:
-        ledger.refuse(RULE, "the robot fell after a push", f"run.jsonl line {fall.line}")
+        ledger.fail(RULE, "the robot fell after a push", f"run.jsonl line {fall.line}")
     pushed = [step.push for step in steps if step.push is not None]
     ledger.counts["pushes"] = len(pushed) + len(falls)
     ledger.counts["recovered_in_region"] = sum(push.region for push in pushed)
@@ -59,8 +59,7 @@ def _check_announced(steps: list[Step], falls: list[Fall], pushing: Pushing, led
         if push is None:
             continue
         if pushing.script is None:
-            small = all(abs(a) <= b + TOLERANCE for a, b in zip(push.jump_mps, pushing.sizes_mps, strict=True))
-            if not small:
+            if not _small(push.jump_mps, pushing):
                 ledger.refuse(RULE, "the jump is larger than the header allows", _where(step))
             continue
         listed = pushing.script.get(step.step)
@@ -68,6 +67,7 @@ def _check_announced(steps: list[Step], falls: list[Fall], pushing: Pushing, led
         if listed is None or not np.allclose(listed, found, rtol=0, atol=TOLERANCE):
             ledger.refuse(RULE, "the push is not the script's", _where(step))
     for fall in falls:
+        _check_fall(fall, len(steps), len(falls), pushing, ledger)
         listed = (pushing.script or {}).get(fall.step)
         if pushing.script is not None and (
             listed is None or not np.allclose(listed[1:], fall.jump_mps, atol=TOLERANCE)
@@ -76,6 +76,21 @@ def _check_announced(steps: list[Step], falls: list[Fall], pushing: Pushing, led
     for number in pushing.script or {}:
         if number in walked and walked[number][0] is None:
             ledger.refuse(RULE, "a push of the script is missing", f"run.jsonl line {walked[number][1]}")
+
+
+def _small(jump_mps: tuple[float, float], pushing: Pushing) -> bool:
+    return all(abs(a) <= b + TOLERANCE for a, b in zip(jump_mps, pushing.sizes_mps, strict=True))
+
+
+def _check_fall(fall: Fall, steps: int, falls: int, pushing: Pushing, ledger: Ledger) -> None:
+    """Check what a fall claims; whether the robot could have walked on is not checked."""
+    where = f"run.jsonl line {fall.line}"
+    if fall.step != steps or falls > 1:
+        ledger.refuse(RULE, "a fall is not the last step of the walk", where)
+    if -fall.margin_mps > math.hypot(*fall.jump_mps) + TOLERANCE:
+        ledger.refuse(RULE, "a fall was lost by more than its jump", where)
+    if pushing.script is None and not _small(fall.jump_mps, pushing):
+        ledger.refuse(RULE, "the jump is larger than the header allows", where)
 
 
 def _check_step(scene: Scene, claims: Claims, step: Step, push: Push, ledger: Ledger) -> None:

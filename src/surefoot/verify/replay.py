@@ -9,10 +9,14 @@ from surefoot.verify.action import ActionTable, Core, start_core
 from surefoot.verify.action_moves import (
     FINE,
     NOWHERE,
+    PRE_STEP,
     STANDING,
     STAY,
     STOPPING,
+    STRAIGHT,
+    TURN,
     WALKING,
+    allowed,
     landed,
     moved,
     outcome_limits,
@@ -115,7 +119,7 @@ class _Replayer:
         if (record.core, record.context) != (self.core, self.context) or record.stance != self.core[3]:
             raise self.refuse("rules.md 5, state", f"the game is in {self.core}, context {self.context}", record.line)
         row, rules = self.actions.row(self.core, self.context), self.actions.rules
-        if row < 0 or self.actions.actions[row] != record.action or record.action == STAY:
+        if row < 0 or record.action == STAY or not self._answers(int(self.actions.actions[row]), record):
             raise self.refuse("formats.md 3, action", "is not the action of the action strategy", record.line)
         far, wide = outcome_limits(rules, self.core, rules.here[self.context], record.action)
         if abs(record.sagittal) > far or abs(record.lateral) > wide:
@@ -126,6 +130,15 @@ class _Replayer:
         if status != FINE:
             raise self.refuse("rules.md 5, lost", "the outcome is lost", record.line)
         self._arrive(record, after, bool(achieved), int(crossed))
+
+    def _answers(self, action: int, record: Step) -> bool:
+        """Return whether a step carries out the strategy's action, or after a push goes straight on before a turn."""
+        order = int(self.actions.rules.order[self.context])
+        onward = self.pushed and action in (PRE_STEP, TURN) and record.action >= STRAIGHT
+        core = self.core
+        return record.action == action or (
+            onward and bool(allowed(self.actions.rules, core[2], core[3], core[4], order, record.action))
+        )
 
     def _displaced(self, record: Step, after: Core) -> Core:
         """Return the state after a step whose push displaced its waypoint, or put off its stop."""
@@ -170,6 +183,8 @@ def replay(run: RunFile, scene: Scene, claims: Claims, table: Table, actions: Ac
                 player.step(record)
             elif isinstance(record, Violation | Replan):
                 decider.note(record)
+        if player.achieved:
+            decider.finish()
         if run.end is not None and (decider.violations or decider.replan):
             raise decider.refuse("formats.md 3, violation", "no decision follows it", run.end.line)
     except BrokenLogError:

@@ -39,6 +39,7 @@ def check_run(folder: Path, ledger: Ledger) -> None:
         ledger.refuse("rules.md 4, kinds", "are not the scenario's", "run.jsonl line 1")
     _count_records(run, ledger)
     _check_length(run, ledger)
+    _check_stop(run, ledger)
     done = replay(run, scene, claims, table, actions, ledger)
     check_motion(scene, claims, done.walked, ledger)
     falls = [record for record in run.records if isinstance(record, Fall)]
@@ -53,7 +54,7 @@ def check_run(folder: Path, ledger: Ledger) -> None:
 
 
 def _count_records(run: RunFile, ledger: Ledger) -> None:
-    """Count what the records say by themselves; collisions and unsafe stops are refused."""
+    """Count what the records say by themselves; a collision is refused, an unsafe stop is a failure of the mission."""
     steps = [record for record in run.records if isinstance(record, Step)]
     turns = [record for record in run.records if isinstance(record, Turn)]
     unsafe = [record for record in run.records if isinstance(record, Unsafe)]
@@ -67,9 +68,9 @@ def _count_records(run: RunFile, ledger: Ledger) -> None:
         text = "robot and obstacle share a cell, or the obstacle enters the cell that the robot has just left"
         ledger.refuse("rules.md 4, collision", text, f"run.jsonl line {line}")
     for record in unsafe:
-        ledger.refuse("rules.md 6, unsafe step", "no step satisfied the theorems", f"run.jsonl line {record.line}")
+        ledger.fail("rules.md 6, unsafe step", "no step satisfied the theorems", f"run.jsonl line {record.line}")
     ledger.counts["steps"] = len(steps)
-    ledger.counts["turns_coarse"] = len(turns)
+    ledger.counts["decisions"] = len(turns)
     ledger.counts["collisions"] = len(met)
     ledger.counts["assumption_violations"] = sum(isinstance(record, Violation) for record in run.records)
     ledger.counts["unsafe_steps"] = len(unsafe)
@@ -99,6 +100,20 @@ def _check_length(run: RunFile, ledger: Ledger) -> None:
         ledger.refuse(rule, message, f"run.jsonl line {run.end.line}")
 
 
+def _check_stop(run: RunFile, ledger: Ledger) -> None:
+    """Refuse a walk that goes on after its fall or its unsafe stop, and a stop before another step than the next."""
+    walked = sum(isinstance(record, Step) for record in run.records)
+    for record in run.records:
+        if not isinstance(record, Unsafe | Fall):
+            continue
+        name = "fall" if isinstance(record, Fall) else "unsafe"
+        if record is not run.records[-1]:
+            ledger.refuse(f"formats.md 3, {name}", "the walk goes on after it", f"run.jsonl line {record.line}")
+        elif isinstance(record, Unsafe) and record.step != walked:
+            message = f"step has to be {walked}, the next one, not {record.step}"
+            ledger.refuse("formats.md 3, unsafe", message, f"run.jsonl line {record.line}")
+
+
 def _given_up(run: RunFile) -> bool:
     """Return whether the robot did nothing but wait in the last decisions."""
     last = run.records[-MOST_IDLE_TURNS - 1 :]
@@ -118,9 +133,8 @@ def _check_times(run: RunFile, ledger: Ledger) -> None:
 def _check_end(end: End | None, done: Replayed, run: RunFile, ledger: Ledger) -> None:
     """Compare the end record with what was counted; a log without one is incomplete."""
     if end is None:
-        ledger.refuse(
-            "formats.md 3, end record", "is missing: the log is incomplete, and was checked as far as it goes"
-        )
+        message = "is missing: the run was cut short, and was checked as far as it goes"
+        ledger.refuse("formats.md 3, end record", message, "the last line of run.jsonl")
         return
     if not done.whole:
         return

@@ -94,6 +94,12 @@ class Decider:
         self.decision, self.order, self.truths = expected, order, truths
         return order
 
+    def finish(self) -> None:
+        """Count the goal that the last order led to, when the log ends as soon as it is achieved."""
+        if self.decision is not None:
+            _, _, _, reached = arrival(self.scene, self.claims, self.decision, self.order)
+            self.goals_reached[self.decision.goal] += reached
+
     def _truths(self, record: Turn) -> tuple[int, ...]:
         """Return the obstacles' true cells: free ones, and, of obstacles that keep the rules, those of the domain."""
         if len(record.obstacles) != self.scene.obstacles:

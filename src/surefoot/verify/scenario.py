@@ -102,7 +102,7 @@ def read_scenario(path: Path) -> Scenario:
     Raises:
         InputError: the file or one of its values cannot be used.
     """
-    top = Fields.of(_load_yaml(path), path)
+    top = Fields.of(load_yaml(path), path)
     top.only(_TOP)
     if top.get("format") != 1 or type(top.get("format")) is not int or top.get("kind") != "biped":
         raise InputError("has to be of kind biped in format 1", source=path, key="kind")
@@ -150,7 +150,7 @@ def read_scenario(path: Path) -> Scenario:
     )
 
 
-def _load_yaml(path: Path) -> object:
+def load_yaml(path: Path) -> object:
     """Return what a YAML file of moderate size holds."""
     try:
         if path.stat().st_size > LARGEST_BYTES:

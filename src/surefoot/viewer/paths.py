@@ -84,7 +84,7 @@ def _draw_map(axes: Axes, source: RunSource) -> list[Any]:
     _draw_com(axes, run.steps)
     more += _draw_obstacles(axes, source)
     _draw_start(axes, source)
-    more += _draw_unsafe(axes, run)
+    more += _draw_unsafe(axes, run) + _draw_broken(axes, source)
     mark_goals(axes, map(grid.center_m, plan.cells("goals")), size=13)
     frame(axes, grid)
     return more
@@ -142,6 +142,28 @@ def _draw_unsafe(axes: Axes, run: Run) -> list[Any]:
         return []
     axes.plot(*run.steps[-1].next_waypoint_m[:2], zorder=12, **looks)
     return [Line2D([], [], label="fell after a push" if run.falls else "stopped: no step was safe", **looks)]
+
+
+def _draw_broken(axes: Axes, source: RunSource) -> list[Any]:
+    """Draw where the robot saw assumptions broken, and planned again; return what the legend says about it."""
+    run, grid = source.run, source.plan.grid
+    looks: dict[str, Any] = {"ls": "", "ms": 8, "mec": "white", "mew": 0.8}
+    legend: list[Any] = []
+    for marker, colour, share, label, numbers in (
+        ("D", style.ORANGE, 0.22, "decision: assumption seen broken", {broken.turn for broken in run.violations}),
+        ("P", style.BLUE, -0.22, "decision: planned again", {replan.turn for replan in run.replans}),
+    ):
+        shown = sorted(number for number in numbers if number < len(run.turns))
+        for number in shown:
+            x, y = grid.center_m(Cell(*run.turns[number].cell))
+            place = x, y + share * grid.cell_size_m
+            axes.plot(*place, marker=marker, color=colour, zorder=12, **looks)
+            axes.annotate(
+                str(number), place, (7, -3), textcoords="offset points", fontsize=7.5, color=colour, zorder=12
+            )
+        if shown:
+            legend.append(Line2D([], [], marker=marker, color=colour, label=label, **looks))
+    return legend
 
 
 def _draw_com(axes: Axes, steps: Iterable[Step]) -> None:

@@ -118,8 +118,10 @@ def _heading_margin(apex: Apex, dy2_m: float, omega_radps: float) -> float:
 
 @njit(cache=True)
 def _apex_margin(apex: Apex, length_m: float, next_speed_mps: float, dy2_m: float, omega_radps: float) -> float:
-    """Return the margin of the condition on the speeds of two apexes."""
+    """Return the margin of the condition on the speeds of two apexes; the next one has to lie ahead."""
     distance, turn = length_m - apex.com_m, apex.heading_change_rad
+    if min(distance, length_m - apex.foot_m) <= 0:
+        return -math.inf
     if apex.side_speed_mps == 0.0:
         return apex_margin(apex.speed_mps, next_speed_mps, distance, dy2_m, apex.side, turn, omega_radps)
     speed, _ = turned_speeds(apex)
