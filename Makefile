@@ -25,7 +25,7 @@ check: $(STAMP)
 	$(BIN)/lint-imports
 
 test: check
-	$(BIN)/python -m pytest -m "not campaign" -n 2
+	$(BIN)/python -m pytest -m "not campaign" -n 2 --dist loadgroup
 
 demo: $(STAMP)
 	$(BIN)/surefoot demo -o demo/

@@ -34,7 +34,7 @@ FREE = [[row, column] for row, line in enumerate(ROWS) for column, sign in enume
 NAMES = {0.0: "east", 1.0: "north", 2.0: "west", 3.0: "south"}
 
 
-def write_scene(folder: Path) -> Path:
+def write_scene(folder: Path, more: str = "") -> Path:
     """Write map and scenario; return the scenario's path."""
     pixels = b"".join(bytes(0 if sign == "#" else 254 for sign in line for _ in range(10)) * 10 for line in ROWS)
     (folder / "room.pgm").write_bytes(b"P5\n60 50\n255\n" + pixels)
@@ -42,7 +42,7 @@ def write_scene(folder: Path) -> Path:
         f"image: room.pgm\nmode: trinary\nresolution: {CELL_M / 10}\norigin: [0, 0, 0]\n"
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.25\n"
     )
-    (folder / "room_mission.yaml").write_text(SCENARIO)
+    (folder / "room_mission.yaml").write_text(SCENARIO + more)
     return folder / "room_mission.yaml"
 
 
@@ -87,17 +87,17 @@ def write_plan(folder: Path) -> Path:
     return plan
 
 
-def write_run(folder: Path, *, laps: int = 2) -> Path:
-    """Write a scene, its plan and a run around the pillar; return the run's folder."""
-    write_scene(folder)
+def write_run(folder: Path, *, laps: int = 2, more: str = "") -> Path:
+    """Write a scene, with more lines in its scenario, its plan and a run around the pillar; return the run's folder."""
+    write_scene(folder, more)
     write_plan(folder)
     run = folder / "run"
     run.mkdir()
-    (run / "run.jsonl").write_text("".join(json.dumps(record) + "\n" for record in records(laps)))
+    (run / "run.jsonl").write_text("".join(json.dumps(record) + "\n" for record in records(laps, SCENARIO + more)))
     return run
 
 
-def records(laps: int) -> Iterator[dict[str, Any]]:
+def records(laps: int, scenario: str) -> Iterator[dict[str, Any]]:
     """Yield the records of a run log."""
     nowhere = {"sha256": "0" * 64}
     yield {
@@ -106,7 +106,7 @@ def records(laps: int) -> Iterator[dict[str, Any]]:
         "format": 1,
         "surefoot": "0.1.0",
         "versions": {"python": "3.11"},
-        "scenario": {"path": "../room_mission.yaml", "sha256": hashlib.sha256(SCENARIO.encode()).hexdigest()},
+        "scenario": {"path": "../room_mission.yaml", "sha256": hashlib.sha256(scenario.encode()).hexdigest()},
         "map": {"path": "../room.yaml", **nowhere},
         "plan": {"path": "../plan/plan.json", **nowhere},
         "seed": 7,

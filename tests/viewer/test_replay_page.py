@@ -26,9 +26,7 @@ TRUNK_ABOVE_M = 0.13
 @pytest.fixture(scope="module")
 def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a run with a second obstacle that hides too, a push, and a raised floor in the east."""
-    folder = write_run(tmp_path_factory.mktemp("scene"), laps=1)
-    scenario = folder.parent / "room_mission.yaml"
-    scenario.write_text(scenario.read_text() + PLATFORM)
+    folder = write_run(tmp_path_factory.mktemp("scene"), laps=1, more=PLATFORM)
     records = [json.loads(line) for line in (folder / "run.jsonl").read_text().splitlines()]
     (folder / "run.jsonl").write_text("".join(json.dumps(_richer(record)) + "\n" for record in records))
     return folder

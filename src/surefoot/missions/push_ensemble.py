@@ -18,7 +18,6 @@ SIZES_MPS = ((0.05, 0.0), (0.1, 0.0), (0.2, 0.0), (0.4, 0.0), (0.1, 0.025), (0.2
 """Largest jumps ahead and sideways."""
 SEEDS = range(20)
 STEPS = 60
-_FELL = ("formats.md 3, pushes: the robot fell after a push", "rules.md 6, unsafe step")
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,5 +121,5 @@ def _row(size_mps: tuple[float, float], runs: list[RunAnswer]) -> PushRow:
         steps=sum(run.steps for run in runs),
         walks=len(runs),
         whole=sum(run.falls == 0 for run in runs),
-        refused=sum(any(not finding.startswith(_FELL) for finding in run.findings) for run in runs),
+        refused=sum(not run.verified for run in runs),
     )
