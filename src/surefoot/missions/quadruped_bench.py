@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from surefoot.compute import process_pool
+from surefoot.errors import InputError
 from surefoot.footholds import solve
 from surefoot.missions.quadruped import QuadrupedAnswer, QuadrupedOrder, walk_quadruped
 from surefoot.missions.quadruped_crossing import Crossed
@@ -73,7 +74,7 @@ class SceneResult:
 
 
 def measure_scene(scene: str, seeds: Sequence[int], say: Say = lambda _: None) -> SceneResult:
-    """Make the skills that all maps of a scene need, and walk each of them."""
+    """Make the skills that all maps of a scene need, and walk each map whose start the robot can stand in."""
     terrains = [generated(scene, seed) for seed in seeds]
     with tempfile.TemporaryDirectory(prefix="surefoot-") as name:
         folder = Path(name)
@@ -84,7 +85,11 @@ def measure_scene(scene: str, seeds: Sequence[int], say: Say = lambda _: None) -
         for seed, terrain in zip(seeds, terrains, strict=True):
             file = folder / f"{seed}.yaml"
             write_terrain(file, terrain)
-            walk, answer = walk_quadruped(QuadrupedOrder(file, folder / "library"), folder / f"run-{seed}")
+            try:
+                walk, answer = walk_quadruped(QuadrupedOrder(file, folder / "library"), folder / f"run-{seed}")
+            except InputError as refused:  # a drawn map may have a start in which the robot cannot stand
+                say(f"{scene}, seed {seed}: left out: {refused}")
+                continue
             way = oracle(terrain, read_library(folder / "library").knowledge)
             pairs = [pair for one in walk.tally.crossed if (pair := _both(one)) is not None]
             missions.append(Mission(seed, way, answer, tuple(a for a, _ in pairs), tuple(b for _, b in pairs)))
