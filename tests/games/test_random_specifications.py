@@ -12,7 +12,8 @@ from gr1_specs import random_specification
 from naive_gr1 import Game, decide_naively
 from surefoot.games import EnvDeadEnd, synthesize
 from surefoot.logic import read_specification, write_structuredslugs
-from surefoot.logic.strategy_file import Semantics, save_strategy
+from surefoot.logic.strategy_file import save_strategy
+from surefoot.logic.transducer import Semantics
 from surefoot.verify import verify_path
 
 SIZE = 250

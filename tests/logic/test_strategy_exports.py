@@ -150,7 +150,7 @@ def test_saved_strategies_are_loaded_as_they_were(tmp_path: Path, text: str) -> 
     transducer = solve_naively(spec).strategy
     save_strategy(tmp_path / "deep" / "s.json", transducer, spec)
     loaded = load_strategy(tmp_path / "deep" / "s.json")
-    assert loaded.specification_path.resolve() == (tmp_path / "spec.structuredslugs").resolve()
+    assert loaded.origin.specification_path.resolve() == (tmp_path / "spec.structuredslugs").resolve()
     for name in ("values", "memory", "first", "successors", "initial", "moves", "initial_inputs"):
         one, other = getattr(transducer, name), getattr(loaded.transducer, name)
         assert (one is None) == (other is None)

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from surefoot.errors import InputError
-from surefoot.missions.benchmarks import Figure, benchmarks
+from surefoot.missions.benchmarks import benchmarks
+from surefoot.missions.figures import Figure
 from surefoot.missions.scenario import read_scenario
 from surefoot.missions.scenes import copy_scene, scene_names, scene_path
 

@@ -17,7 +17,8 @@ from gr1_specs import random_specification
 from naive_gr1 import Game, solve_naively
 from surefoot.errors import InputError
 from surefoot.logic import Specification, read_specification, write_structuredslugs
-from surefoot.logic.strategy_file import Semantics, load_strategy, save_strategy
+from surefoot.logic.strategy_file import load_strategy, save_strategy
+from surefoot.logic.transducer import Semantics
 from surefoot.verify import verify_path
 
 Json = dict[str, Any]

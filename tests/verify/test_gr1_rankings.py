@@ -20,7 +20,7 @@ from surefoot.games.ranking_player import RankingPlayer
 from surefoot.logic import Conjunct, Evaluator, Specification, read_specification, write_structuredslugs
 from surefoot.logic.ranking import Ranking
 from surefoot.logic.ranking_file import load_ranking, save_ranking
-from surefoot.logic.strategy_file import Semantics
+from surefoot.logic.transducer import Semantics
 from surefoot.verify import verify_path
 
 Arrays = dict[str, Any]

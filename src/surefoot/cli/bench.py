@@ -17,7 +17,7 @@ from surefoot.cli.bench_scaling import answer_scaling
 from surefoot.cli.output import AsJson, Say, answer, progress
 
 if TYPE_CHECKING:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
 Suite = Callable[[Say], "Iterable[Figure]"]
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from surefoot.cli.output import Say
 
 if TYPE_CHECKING:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
 
 def foothold_figures(say: Say) -> Iterator[Figure]:
     """Measure all families and compare with the paper (Gurobi 9, i9-13900K) and the targets."""
     from surefoot.footholds.benchmarks import COLLISION_MS, DECIDED_MS, GAP_MS, PAPER, measure
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
     families = measure(say=say)
     for one in families:

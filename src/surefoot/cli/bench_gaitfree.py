@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from surefoot.cli.output import Say
 
 if TYPE_CHECKING:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
 
 def gait_figures(say: Say) -> Iterator[Figure]:
     """Measure all families and compare with the paper (Gurobi 9, i9-13900K) and the targets."""
     from surefoot.footholds.free_benchmarks import FIRST_S, GAP, REFUTED_S, measure
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
     for one in measure(say=say):
         what = f"gaits {one.family} ({one.feasible}+{one.infeasible} of {one.instances}):"

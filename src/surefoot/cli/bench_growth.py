@@ -9,11 +9,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from surefoot.cli.bench_synthesis import LIMIT_S, decide
+from surefoot.cli.deciding import LIMIT_S, decide
 from surefoot.cli.output import Say, answer
 
 if TYPE_CHECKING:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
 LARGEST = 2000
 
@@ -71,7 +71,7 @@ def sizes(family: str) -> Iterator[int]:
 
 def growth_figures(say: Say) -> Iterator[Figure]:
     """Return the largest member of every family that is decided within the limit."""
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
     best: dict[str, Member] = {}
     for member in growth(say):

@@ -13,7 +13,7 @@ import yaml
 from surefoot.cli.output import Say
 
 if TYPE_CHECKING:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
     from surefoot.navigation.benchmarks import GameFigures
 
 SCENE = "two_rooms"
@@ -42,8 +42,9 @@ HALLS = ((8, 6, 1), (8, 6, 2), (15, 10, 1), (15, 10, 2), (30, 15, 1), (60, 30, 1
 
 def navigation_figures(say: Say) -> Iterator[Figure]:
     """Measure whole plans of the two rooms, and the parts of their navigation games and of halls of all sizes."""
-    from surefoot.missions.benchmarks import Figure, whole_process
+    from surefoot.missions.benchmarks import whole_process
     from surefoot.missions.biped_scene import read_biped_scene
+    from surefoot.missions.figures import Figure
     from surefoot.navigation.benchmarks import hall, measured
 
     with tempfile.TemporaryDirectory(prefix="surefoot-bench-") as name:
@@ -65,7 +66,7 @@ def navigation_figures(say: Say) -> Iterator[Figure]:
 
 def _parts(what: str, game: GameFigures) -> Iterator[Figure]:
     """Return the size of a navigation game and the processor time of its parts."""
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
     for part, value, unit in (
         ("turns", game.turns, ""),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from surefoot.cli.output import Say
 
 if TYPE_CHECKING:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
     from surefoot.missions.quadruped_bench import SceneResult
 
 SEEDS = tuple(range(25))
@@ -32,7 +32,7 @@ def quadruped_figures(say: Say) -> Iterator[Figure]:
 
 
 def _scene(found: SceneResult) -> Iterator[Figure]:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
     answers = [one.answer for one in found.missions]
     ways = sum(one.way for one in found.missions)
@@ -70,7 +70,7 @@ def _scene(found: SceneResult) -> Iterator[Figure]:
 
 def _collision(found: SceneResult, what: str) -> Iterator[Figure]:
     """Compare the same programs with and without free regions."""
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
     both = [list(zip(one.with_collision_ms, one.without_ms, strict=True)) for one in found.missions]
     pairs = [pair for mission in both for pair in mission]

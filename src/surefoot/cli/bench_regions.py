@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 from surefoot.cli.output import answer, facts
 
 if TYPE_CHECKING:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
 Say = Callable[[str], None]
 
 
 def region_figures(say: Say) -> Iterator[Figure]:
     """Measure the room of controllable regions."""
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
     from surefoot.reach.benchmarks import measure
 
     for one in measure(say):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from surefoot.cli.output import Say
 
 if TYPE_CHECKING:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
 STRATEGY_MS = 2.0
 REPAIR_MS = 20.0
@@ -19,7 +19,7 @@ _PAPER = {3: ("20-60 ms", "50-250 ms"), 5: ("40-300 ms", "100-600 ms")}
 
 def skill_figures(say: Say) -> Iterator[Figure]:
     """Measure synthesis and repair of single pairs, and one whole offline synthesis with physics."""
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
     from surefoot.skills.benchmarks import measure, percentile, whole_synthesis
 
     for size in (3, 5):

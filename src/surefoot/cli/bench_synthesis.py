@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import os
 import statistics
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from surefoot.cli.bench_growth import growth_figures
+from surefoot.cli.deciding import decide
 from surefoot.cli.output import Say
 
 if TYPE_CHECKING:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
 REPEATS = 3
-LIMIT_S = 60
 TARGETS: dict[str, tuple[float | None, str]] = {
     "navigation/coarse_one_obstacle.structuredslugs": (10.0, "slugs: none in 300 s"),
     "navigation/fine_action_game.structuredslugs": (20.0, "slugs: none in 251 s"),
@@ -37,7 +35,7 @@ def folder_of_specifications() -> Path:
 
 def synthesis_figures(say: Say) -> Iterator[Figure]:
     """Measure every stored specification with a target, each run in a process of its own; medians."""
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
 
     folder = folder_of_specifications()
     for name, (target_s, slugs) in TARGETS.items():
@@ -53,17 +51,4 @@ def synthesis_figures(say: Say) -> Iterator[Figure]:
         what = f"synthesis {path.stem} ({runs[0]['engine']}):"
         yield Figure(f"{what} decided, CPU", solve_s, "s", target_s, "at most", slugs)
         yield Figure(f"{what} peak memory", memory_mb, "MB", None, "at most", "")
-    from surefoot.cli.bench_growth import growth_figures
-
     yield from growth_figures(say)
-
-
-def decide(path: Path, limit_s: int = LIMIT_S) -> dict[str, Any]:
-    """Decide one specification in a process of its own; return what ``surefoot synth --json`` prints."""
-    command = [sys.executable, "-m", "surefoot.cli", "synth", str(path), "--realizability-only", "--json"]
-    command += ["--time-limit", str(limit_s)]
-    found = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
-    value = json.loads(found.stdout)
-    if "verdict" not in value:
-        raise RuntimeError(f"{path}: {value}")
-    return dict(value)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
     from surefoot.world.synthetic_terrain import SyntheticTerrain
 
 SEEDS = range(8)
@@ -17,7 +17,7 @@ REPEATS = 5
 
 def terrain_figures(say: Callable[[str], None]) -> Iterator[Figure]:
     """Measure the segmentation of large maps, and of noisy stairs and stones against what they truly are."""
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
     from surefoot.world.segmentation import warm_up
     from surefoot.world.synthetic_terrain import stairs, stones
 
@@ -45,7 +45,7 @@ def terrain_figures(say: Callable[[str], None]) -> Iterator[Figure]:
 
 
 def _honesty(name: str, truths: list[SyntheticTerrain]) -> Iterator[Figure]:
-    from surefoot.missions.benchmarks import Figure
+    from surefoot.missions.figures import Figure
     from surefoot.world import segment_terrain
     from surefoot.world.terrain_truth import compare_with_truth
 

@@ -51,7 +51,7 @@ def simulate(
     show = _silent if as_json else _shown
     ranked = kind_of(strategy) == "gr1-ranking"
     saved = (load_ranking if ranked else load_strategy)(strategy)
-    specification = _specification(saved.specification_path, saved.specification_sha256, spec)
+    specification = _specification(saved.origin.specification_path, saved.origin.specification_sha256, spec)
     if isinstance(saved, SavedRanking):
         played = _ranked(strategy, saved.ranking, steps, source, typed, show)
     else:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.compute import Deadline
 from surefoot.games.arena import Arena
+from surefoot.logic.transducer import EnvDeadEnd as EnvDeadEnd
 
-EnvDeadEnd = Literal["wins", "loses"]
 FOREVER = Deadline()
 
 

@@ -13,6 +13,7 @@ from surefoot.games.diagrams import Backend
 from surefoot.games.minimise import minimised
 from surefoot.games.solution import FOREVER, EnvDeadEnd
 from surefoot.logic.syntax import Conjunct, Specification
+from surefoot.logic.transducer import Semantics as Semantics
 from surefoot.logic.transducer import Transducer
 from surefoot.verdict import Verdict
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from surefoot.games.portfolio import Solved
     from surefoot.logic.ranking import Ranking
 
-Semantics = Literal["slugs", "robotics"]
 EngineName = Literal["auto", "explicit", "symbolic"]
 StrategyForm = Literal["auto", "listed", "ranking"]
 LISTING_LIMIT_S = 300.0

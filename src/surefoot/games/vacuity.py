@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from surefoot.compute import Deadline
 from surefoot.errors import LimitExceeded
+from surefoot.games.attempts import attempt
+from surefoot.games.bits import bit_game
 from surefoot.games.cores import minimal
 from surefoot.games.partial import substituted
 from surefoot.games.solution import FOREVER
@@ -78,14 +80,13 @@ def _contradiction(
 
     A specification whose system may not begin at all is realizable exactly when nothing may begin.
     """
-    from surefoot.games.synthesis import synthesize
-
     never = Conjunct("SYS_INIT", FALSE, "FALSE")
     question = Specification(specification.inputs, specification.outputs, sys_init=(never,))
 
     def contradict(kept: tuple[Conjunct, ...]) -> bool:
-        asked = replace(question, env_init=kept)
-        return bool(synthesize(asked, deadline=deadline, realizability_only=True).verdict)
+        asked = bit_game(replace(question, env_init=kept))
+        solved, result = attempt(asked, robotics=False, env_dead_end="wins", deadline=deadline)
+        return solved.wins_initially(result.winning, robotics=False)
 
     try:
         return minimal(lines, contradict) if contradict(lines) else ()

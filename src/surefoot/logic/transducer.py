@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from surefoot.logic.syntax import Variable
 
 Player = Literal["system", "environment"]
+Semantics = Literal["slugs", "robotics"]
+EnvDeadEnd = Literal["wins", "loses"]
 NO_MOVE = -(2**31)
 """Fills the row of ``Transducer.moves`` where the environment has no move."""
 

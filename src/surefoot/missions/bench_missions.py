@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
 
-from surefoot.missions.benchmarks import Figure, Say
+from surefoot.missions.figures import Figure, Say
 from surefoot.missions.run_log import Step, read_run
 from surefoot.missions.scenes import scene_path
 

@@ -9,59 +9,18 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from surefoot.errors import InputError
+from surefoot.missions.figures import Figure, Say
 from surefoot.missions.scenes import scene_path
-
-Say = Callable[[str], None]
-Bound = Literal["at most", "at least"]
 
 SCENE = "two_rooms"
 REPEATS = 5
 STEPS = 500
 SEEDS = range(10)
 POLICIES = ("random", "adversarial")
-
-
-@dataclass(frozen=True, slots=True)
-class Figure:
-    """One measured number.
-
-    Attributes:
-        what: what was measured.
-        measured: the number.
-        unit: its unit, empty for counts.
-        target: what it should be at most or at least; None when there is no target.
-        bound: which of the two.
-        paper: what the papers (or the tools they use) need for the same.
-    """
-
-    what: str
-    measured: float
-    unit: str
-    target: float | None
-    bound: Bound
-    paper: str
-
-    @property
-    def met(self) -> bool | None:
-        """Whether the target is met; None when there is none."""
-        if self.target is None:
-            return None
-        return self.measured <= self.target if self.bound == "at most" else self.measured >= self.target
-
-    @property
-    def measured_text(self) -> str:
-        """The number with its unit."""
-        return f"{_short(self.measured)} {self.unit}".rstrip()
-
-    @property
-    def target_text(self) -> str:
-        """The target with its unit, or nothing."""
-        return "" if self.target is None else f"{self.bound} {_short(self.target)} {self.unit}".rstrip()
 
 
 def benchmarks(which: str, say: Say = lambda _: None) -> tuple[Figure, ...]:
@@ -192,7 +151,3 @@ def whole_process(arguments: list[str]) -> tuple[float, float]:
     if child.returncode != 0:
         raise InputError(f"surefoot {' '.join(arguments)} ended with exit code {child.returncode}; run it to see why")
     return elapsed_s, used.ru_maxrss * 1024 / 1e6
-
-
-def _short(value: float) -> str:
-    return f"{value:.3g}" if abs(value) < 1000 and value != int(value) else f"{value:.0f}"

@@ -13,9 +13,10 @@ if TYPE_CHECKING:
     from surefoot.reach.barriers import BarrierRegion, barrier_region, screen
     from surefoot.reach.capture import CaptureStep, capture_foot, capture_step
     from surefoot.reach.certified import Certified, certified_region
-    from surefoot.reach.controller import Controller, HalfStepController
+    from surefoot.reach.controller import Controller
     from surefoot.reach.ensembles import Law, table_1
     from surefoot.reach.library import RegionLibrary, composed_library, region_library
+    from surefoot.reach.look_up import HalfStepController
     from surefoot.reach.parameters import (
         Disturbance,
         GridSpec,
@@ -35,7 +36,8 @@ _HOMES = {
     "barriers": ("BarrierRegion", "barrier_region", "screen"),
     "capture": ("CaptureStep", "capture_foot", "capture_step"),
     "certified": ("Certified", "certified_region"),
-    "controller": ("Controller", "HalfStepController"),
+    "controller": ("Controller",),
+    "look_up": ("HalfStepController",),
     "ensembles": ("Law", "table_1"),
     "library": ("RegionLibrary", "composed_library", "region_library"),
     "parameters": (

@@ -16,6 +16,7 @@ import numpy as np
 
 from surefoot.reach import _walks
 from surefoot.reach.ensembles import NOMINAL_OMEGA_RADPS, Law, goal, law_tables, small_rates
+from surefoot.reach.look_up import HalfStepController
 from surefoot.reach.synthesis import Region
 
 
@@ -125,9 +126,7 @@ def simulate(
             break
         previous = w
     if ending is Ending.LEFT_REGION:
-        from surefoot.reach.controller import Controller
-
-        margin = Controller(region).margin(x, v, "first" if half == 0 else "second")
+        margin = HalfStepController(region, region.first if half == 0 else region.second).margin(x, v)
     return Trace(ending, tuple(times), tuple(xs), tuple(vs), tuple(omegas), switch, margin)
 
 
