@@ -15,7 +15,7 @@ from surefoot.skills.measures import NONE, SINGLE, Ground
 from surefoot.skills.patches import Rectangle, class_polygons
 from surefoot.skills.values import OBSTACLE
 
-COUNTS = {"unstructured-4": 4, "unstructured-8": 8, "rebar-7": 7, "rebar-14": 14}
+COUNTS = {"unstructured-4": 4, "unstructured-8": 8, "rebar-7": 7, "rebar-14": 14, "stairs": 3}
 FLAT = {
     "coverage": 1.0, "band_m": 0.0, "largest": 1.0, "spacing_m": math.inf, "rise_m": 0.0, "spread_m": 0.0,
     "slope_deg": 0.0,
@@ -184,5 +184,5 @@ def test_other_rules_have_another_digest(tmp_path: Path) -> None:
 
 
 def test_sets_that_do_not_exist_are_named() -> None:
-    with pytest.raises(InputError, match="there are: unstructured-8, unstructured-4, rebar-14, rebar-7"):
+    with pytest.raises(InputError, match="there are: unstructured-8, unstructured-4, rebar-14, rebar-7, stairs"):
         class_set("moon")

@@ -73,7 +73,7 @@ def test_physics_answers_draws_and_explains(tmp_path: Path, capsys: pytest.Captu
         (["terrain", "rebar-7", "--grid", "three"], "needs two odd numbers such as 3x3"),
         (["terrain", "missing.yaml"], "missing.yaml: does not exist"),
         (["classes", "moon"], "there is no set of classes 'moon'"),
-        (["classes", str(SHIPPED)], "holds 4 sets of classes"),
+        (["classes", str(SHIPPED)], "holds 5 sets of classes"),
         (["physics", "rebar-7", "forward"], "'forward' is no primitive"),
         (["physics", "rebar-7", "forward flat->flat"], "there is no class 'flat'; rebar-7 has: sparse-sparse"),
         (["physics", "rebar-7", "--gait", "moonwalk"], "there is no gait 'moonwalk'"),

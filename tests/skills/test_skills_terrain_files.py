@@ -152,7 +152,7 @@ def test_rules_of_the_user(tmp_path: Path) -> None:
     write_terrain(tmp_path / "again.yaml", terrain)
     assert read_terrain(tmp_path / "again.yaml").classes.digest == terrain.classes.digest
     (tmp_path / "mine.yaml").write_text(text)
-    with pytest.raises(InputError, match="holds 4 sets"):
+    with pytest.raises(InputError, match="holds 5 sets"):
         read_terrain(path)
 
 

@@ -12,9 +12,12 @@ import typer
 
 from surefoot.cli.bench_growth import answer_growth
 from surefoot.cli.bench_pushes import answer_pushes
+from surefoot.cli.bench_quadruped import FULL_SEEDS, SEEDS, Asked, answer_quadruped_bench
 from surefoot.cli.bench_regions import answer_table_1, region_figures
 from surefoot.cli.bench_scaling import answer_scaling
+from surefoot.cli.bench_table import figure_table
 from surefoot.cli.output import AsJson, Say, answer, progress
+from surefoot.errors import InputError
 
 if TYPE_CHECKING:
     from surefoot.missions.figures import Figure
@@ -46,7 +49,22 @@ class Which(StrEnum):
 
 def bench(
     which: Annotated[Which, typer.Argument(help="What to measure.")] = Which.ALL,
-    picture: Annotated[Path | None, typer.Option("-o", "--output", help="growth and scaling: a picture, PNG.")] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="growth and scaling: a picture, PNG; quadruped: a folder for pictures."),
+    ] = None,
+    scene: Annotated[
+        list[str] | None, typer.Option("--scene", help="quadruped: this scene only; may be given several times.")
+    ] = None,
+    seeds: Annotated[
+        int | None,
+        typer.Option("--seeds", min=1, max=1000, help=f"quadruped: how many maps of every scene; default {SEEDS}."),
+    ] = None,
+    full: Annotated[bool, typer.Option("--full", help=f"quadruped: {FULL_SEEDS} maps of every scene; hours.")] = False,
+    keep: Annotated[
+        Path | None,
+        typer.Option("--keep", help="quadruped: a folder for results; given again, an interrupted campaign goes on."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Measure speed and memory, walk a campaign, and compare with the paper and with the targets.
@@ -55,10 +73,17 @@ def bench(
       surefoot bench
       surefoot bench navigation --json
       surefoot bench growth -o growth.png
+      surefoot bench quadruped --scene rebar-7 --seeds 5
+      surefoot bench quadruped --full --keep campaign/ -o pictures/
 
     Exit code 0: every target is met; 1: some is missed.
     """
+    asked = Asked(tuple(scene or ()), seeds, full, keep, picture)
+    if asked.given and which is not Which.QUADRUPED:
+        raise InputError("--scene, --seeds, --full and --keep are options of: surefoot bench quadruped")
     with progress() as say:
+        if which is Which.QUADRUPED:  # a campaign of many minutes: not among all the others
+            answer_quadruped_bench(asked, say, as_json=as_json)
         if which is Which.TABLE1:
             answer_table_1(say, as_json=as_json)
         if which is Which.PUSHES:
@@ -69,7 +94,7 @@ def bench(
             answer_scaling(say, picture, as_json=as_json)
         figures = tuple(figure for suite in _suites(which) for figure in suite(say))
     met = all(figure.met is not False for figure in figures)
-    answer({"figures": figures, "met": met}, _table(figures), yes=met, as_json=as_json)
+    answer({"figures": figures, "met": met}, figure_table(figures), yes=met, as_json=as_json)
 
 
 def _suites(which: Which) -> tuple[Suite, ...]:
@@ -84,8 +109,6 @@ def _suites(which: Which) -> tuple[Suite, ...]:
     }
     if which in suites:
         return (suites[which],)
-    if which is Which.QUADRUPED:  # a campaign of many minutes: not among all the others
-        return (_quadruped,)
     if which is Which.NAVIGATION:
         return (partial(_biped, which.value), _navigation)
     return (partial(_biped, which.value), *((_navigation, *suites.values()) if which is Which.ALL else ()))
@@ -131,32 +154,3 @@ def _skills(say: Say) -> Iterable[Figure]:
     from surefoot.cli.bench_skills import skill_figures
 
     return skill_figures(say)
-
-
-def _quadruped(say: Say) -> Iterable[Figure]:
-    from surefoot.cli.bench_quadruped import quadruped_figures
-
-    return quadruped_figures(say)
-
-
-def _table(figures: tuple[Figure, ...]) -> list[str]:
-    from io import StringIO
-
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(title="Surefoot benchmarks", title_justify="left")
-    for name, side in [
-        ("what", "left"),
-        ("measured", "right"),
-        ("target", "right"),
-        ("paper", "left"),
-        ("met", "left"),
-    ]:
-        table.add_column(name, justify=side)  # type: ignore[arg-type]
-    for figure in figures:
-        met = {True: "yes", False: "NO", None: ""}[figure.met]
-        table.add_row(figure.what, figure.measured_text, figure.target_text, figure.paper, met)
-    text = StringIO()
-    Console(file=text, width=120).print(table)
-    return text.getvalue().splitlines()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from surefoot.missions.biped import RunAnswer
 
 _FINDINGS = 5
-_BIPED = ("plan", "steps", "seed", "obstacle", "script", "pushes", "push_size", "push_side_size", "push_rate", "view")
+_BIPED = ("plan", "steps", "seed", "obstacle", "script", "pushes", "push_size", "push_side_size", "push_rate")
 _QUADRUPED = ("library", "start", "goal", "classes", "events", "delay")
 
 
@@ -135,7 +135,8 @@ def run(
 
         ends = place(start, "--start"), place(goal, "--goal")
         order = QuadrupedOrder(scenario, library, *ends, events=events, delay=delay, classes=classes)
-        answer_quadruped(order, output, as_json=as_json)
+        with watched(output, port, wanted=view):
+            answer_quadruped(order, output, as_json=as_json)
     if (script is not None) != (obstacle is Obstacle.SCRIPTED):
         raise InputError("--script FILE and --obstacle scripted belong together; give both or neither")
     from surefoot.missions.biped import run_mission

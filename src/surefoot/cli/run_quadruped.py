@@ -54,10 +54,13 @@ def answer_quadruped(order: QuadrupedOrder, output: Path, *, as_json: bool) -> N
 
 
 def _lines(walked: QuadrupedAnswer) -> list[str]:
+    from surefoot.cli.obstacle_words import barrier_lines
+
     head = "The goal was reached" if walked.reached else f"The goal was NOT reached: {walked.why_not}"
     more = len(walked.findings) - _FINDINGS
     return [
         f"{head} ({walked.out})",
+        *barrier_lines(walked.blocked_by),
         *facts(
             {
                 "transitions": walked.transitions,

@@ -55,14 +55,21 @@ def terrain(
       surefoot skills terrain zig-zag --yaw --no-sideways -o zig-zag.yaml
       surefoot skills terrain stairs.json --classes unstructured-8 --plot terrain.png
 
-    Exit code 0: there are places to stand; 2: the terrain cannot be used.
+    Obstacles are told with the measures that decide; `surefoot terrain lay`
+    proposes cells that fit a scan.
+
+    Exit code 0: there are places to stand; 1: every cell is an obstacle; 2: the
+    terrain cannot be used.
     """
+    from surefoot.cli.obstacle_words import obstacle_lines, obstacles_of
     from surefoot.skills.grid import terrain_set
     from surefoot.skills.terrain_file import write_terrain
 
     made = _turning(_terrain(scene, seed, grid, classes), yaw, no_sideways)
     begin = time.perf_counter()
-    states = terrain_set(made)
+    obstacles = obstacles_of(made)
+    stands = len(obstacles) < len(made.measured)
+    states = terrain_set(made) if stands else None
     taken = time.perf_counter() - begin
     if output is not None:
         write_terrain(output, made)
@@ -70,7 +77,8 @@ def terrain(
         from surefoot.viewer.skills_terrain import draw_quadruped_terrain
 
         draw_quadruped_terrain(made, plot)
-    labels = Counter(label for state in states.states for row in state.labels for label in row)
+    grids = () if states is None else states.states
+    labels = Counter(label for state in grids for row in state.labels for label in row)
     shown = {
         "robot": made.robot,
         "classes": made.classes.name,
@@ -79,14 +87,17 @@ def terrain(
         "grid": list(made.grid),
         "yaw": made.yaw,
         "directions": [way.value for way in made.directions],
-        "terrain_states": len(states.states),
-        "pairs": len(states.pairs()),
+        "terrain_states": len(grids),
+        "pairs": 0 if states is None else len(states.pairs()),
         "labels": dict(sorted(labels.items())),
         "time_s": taken,
     }
     lines = [f"{made.name}" + (f", in {output}" if output else ""), *facts({**shown, "labels": _counted(labels)})]
+    lines += obstacle_lines(obstacles, len(made.measured))
+    if not stands:
+        lines.append("  the robot can stand in none of them; `surefoot terrain lay` proposes cells that fit a scan")
     files = [str(file) for file in (output, plot) if file is not None]
-    answer({"name": made.name, **shown, "files": files}, lines, yes=True, as_json=as_json)
+    answer({"name": made.name, **shown, "obstacles": obstacles, "files": files}, lines, yes=stands, as_json=as_json)
 
 
 def _terrain(scene: str, seed: int, grid: str, classes: str) -> QuadrupedTerrain:
@@ -135,7 +146,7 @@ def classes(
       surefoot skills classes unstructured-8 --plot classes.png
       surefoot skills classes my_rules.yaml --json
     """
-    shown = _class_set(name)
+    shown = class_set_of(name)
     if plot is not None:
         from surefoot.viewer.skills_terrain import draw_classes
 
@@ -154,7 +165,8 @@ def classes(
     answer(value, [head, *facts({one.name: one.about for one in shown.classes.values()})], yes=True, as_json=as_json)
 
 
-def _class_set(name: str) -> ClassSet:
+def class_set_of(name: str) -> ClassSet:
+    """Return a set of classes by its name, or the one of a file of rules."""
     from surefoot.errors import InputError
     from surefoot.skills.classes import class_set, read_classes
 
@@ -201,7 +213,7 @@ def physics(
     from surefoot.skills.physics import INITIAL_GAITS, Limits, PhysicsOfClasses, all_primitives, start_primitives
     from surefoot.skills.values import Physics, Primitive
 
-    rules = _class_set(name)
+    rules = class_set_of(name)
     asked: Sequence[Primitive] = [Primitive.parse(one) for one in primitives or ()]
     asked = asked or (start_primitives(rules) if start else all_primitives(rules))
     limits = Limits(gaits=tuple(gait or INITIAL_GAITS), deadline_s=deadline_s, explain=why)

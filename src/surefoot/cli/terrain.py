@@ -10,11 +10,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from surefoot.cli.output import AsJson, answer, facts
+from surefoot.cli.terrain_lay import lay
 
 if TYPE_CHECKING:
     from surefoot.world import ElevationMap, SegmentOptions, Terrain
 
-app = typer.Typer(help="Terrain: segment an elevation scan into steppable polygons.", rich_markup_mode="rich")
+app = typer.Typer(
+    help="Terrain: segment an elevation scan into steppable polygons, and lay cells over them.", rich_markup_mode="rich"
+)
+app.command("lay")(lay)
 
 
 @app.command("segment")

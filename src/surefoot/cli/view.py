@@ -17,6 +17,13 @@ if TYPE_CHECKING:
     from surefoot.viewer.answers import Asked
 
 
+class BodyChoice(StrEnum):
+    """The bodies of robots on pages."""
+
+    SIMPLE = "simple"
+    MESHES = "meshes"
+
+
 class Heading(StrEnum):
     """The directions of the grid."""
 
@@ -45,6 +52,10 @@ def view(
     html: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a page: a run or footholds in motion, a strategy to ask.")
     ] = None,
+    body: Annotated[
+        BodyChoice | None,
+        typer.Option(help="Of --html: the robot's body; default: its own meshes if installed, else simple."),
+    ] = None,
     mcap: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Record it as ROS 2 messages, for Foxglove and rosbag2.")
     ] = None,
@@ -61,6 +72,7 @@ def view(
     Examples:
       surefoot view run/
       surefoot view run/ --html replay.html
+      surefoot view run/ --html replay.html --body meshes
       surefoot view run/ --mcap run.mcap
       surefoot view run/ --follow --port 8080
       surefoot view run/ --step 12
@@ -76,53 +88,59 @@ def view(
         raise InputError("--heading and --goal belong to --cell R,C; give all or none of them")
     if port is not None and not follow:
         raise InputError("--port belongs to --follow; give both or only --follow")
-    if html is not None or mcap is not None or follow:
-        if output is not None or cell is not None or step is not None or (follow and (html or mcap)):
-            raise InputError("--html and --mcap, or --follow, go with no other option but --port and --json")
-        if follow:
-            _follow(path, port, as_json=as_json)
-        _write(path, html, mcap, as_json=as_json)
+    if body is not None and html is None:
+        raise InputError("--body belongs to --html; give both or none")
+    _one_way(follow=follow, page=html is not None or mcap is not None, step=step is not None, cell=cell is not None)
+    if output is not None and (follow or html is not None or mcap is not None):
+        raise InputError("-o names a folder for pictures; --html and --mcap name their files, and --follow writes none")
+    if follow:
+        _follow(path, port, as_json=as_json)
+    if html is not None or mcap is not None:
+        _write(path, html, body, mcap, as_json=as_json)
     if step is not None:
-        if cell is not None:
-            raise InputError("--step belongs to a run and --cell to a plan; give one of them")
-        _check_kind(path, "--step", "run.jsonl", "run", "--cell R,C is for plans")
         pictures = view_step(path, step, output)
     elif cell is not None:
-        _check_kind(path, "--cell", "plan.json", "plan", "--step and --html are for runs")
         pictures = view_answers(path, _asked(cell, heading, goal), output)
     else:
         pictures = view_folder(path, output)
     answer({"pictures": pictures}, [str(picture) for picture in pictures], yes=True, as_json=as_json)
 
 
-def _check_kind(path: Path, option: str, file: str, kind: str, other: str) -> None:
-    """Refuse an option for the folder of another kind."""
-    if path.is_dir() and not (path / file).is_file():
-        raise InputError(f"{option} is for {kind}s, and this folder holds no {file}; {other}", source=path)
+def _one_way(*, follow: bool, page: bool, step: bool, cell: bool) -> None:
+    """Refuse several ways to look at once."""
+    ways = {"--follow": follow, "--html and --mcap": page, "--step": step, "--cell": cell}
+    given = [name for name, wanted in ways.items() if wanted]
+    if len(given) > 1:
+        raise InputError(f"{', '.join(given)} are different ways to look; give one of them")
 
 
-def _write(path: Path, html: Path | None, mcap: Path | None, *, as_json: bool) -> None:
-    """Write a page, a recording, or both."""
+def _write(path: Path, html: Path | None, body: BodyChoice | None, mcap: Path | None, *, as_json: bool) -> None:
+    """Write a page, a recording, or both; what had to be drawn otherwise than it was planned is said."""
     from surefoot.viewer import view_bag, view_page
 
-    written = {}
+    written: dict[str, object] = {}
+    remarks: list[str] = []
     if html is not None:
-        written["page"] = view_page(path, html)
+        written["page"] = view_page(path, html, body, remarks.append)
     if mcap is not None:
-        written["recording"] = view_bag(path, mcap)
-    answer(written, [f"Wrote {file}" for file in written.values()], yes=True, as_json=as_json)
+        written["recording"] = view_bag(path, mcap, remarks.append)
+    lines = [f"Wrote {file}" for file in written.values()]
+    answer({**written, "remarks": remarks}, [*lines, *dict.fromkeys(remarks)], yes=True, as_json=as_json)
 
 
-def _follow(run_dir: Path, port: int | None, *, as_json: bool) -> None:
-    """Serve a run until the user has seen enough."""
+def _follow(path: Path, port: int | None, *, as_json: bool) -> None:
+    """Serve a run, or the strategy of a plan, until the user has seen enough."""
+    from surefoot.viewer import kinds
     from surefoot.viewer.live import follow
+    from surefoot.viewer.live_strategy import serve_strategy
 
     def say(address: str) -> None:
         print(f"open {address} with a browser of this machine; Ctrl-C ends the view", file=sys.stderr, flush=True)
 
+    serve = serve_strategy if kinds.demand(path, "--follow") is kinds.PLAN else follow
     with suppress(KeyboardInterrupt):
-        follow(run_dir, port, say)
-    answer({"followed": run_dir}, ["The view has ended"], yes=True, as_json=as_json)
+        serve(path, port, say)
+    answer({"followed": path}, ["The view has ended"], yes=True, as_json=as_json)
 
 
 def _asked(cell: str, heading: Heading | None, goal: int | None) -> Asked:

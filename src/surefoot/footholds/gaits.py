@@ -74,8 +74,8 @@ class Footstep:
         return range(self.lift + quarter, self.touch - quarter)
 
 
-def _trot(cycles: int) -> Gait:
-    modes = ("LF_RH", "STANCE", "RF_LH", "STANCE") * cycles
+def _trot(cycles: int, stands_first: str = "LF_RH", then: str = "RF_LH") -> Gait:
+    modes = (stands_first, "STANCE", then, "STANCE") * cycles
     times = [round(cycle + part, 3) for cycle in range(cycles) for part in (0.0, 0.45, 0.5, 0.95)]
     return Gait(modes, (*times, float(cycles)))
 
@@ -88,8 +88,10 @@ NAMED = {
     "trot-3s": _trot(3),
     "walk-2.25s": Gait(_WALK, (0.0, 0.05, 0.55, 0.6, 1.1, 1.15, 1.65, 1.7, 2.2, 2.25)),
     "leap-1.5s": Gait(("STANCE", "LH_RH", "FLY", "LF_RF", "STANCE"), (0.0, 0.5, 0.65, 0.85, 1.0, 1.5)),
+    "trot-2s-mirrored": _trot(2, "RF_LH", "LF_RH"),
+    "trot-3s-mirrored": _trot(3, "RF_LH", "LF_RH"),
 }
-"""Zhou et al. 2025, VI-A and IX; the timing of leap and walk is an assumption."""
+"""Zhou et al. 2025, VI-A and IX; the timing of leap and walk is an assumption, and mirrored trots are ours."""
 
 
 def mode_contacts(mode: str) -> tuple[bool, bool, bool, bool]:

@@ -24,6 +24,7 @@ Choice = tuple[tuple[int, ...], ...]
 """For every footstep the polygons that are left to it; then, for every foot and collision window, the free regions."""
 
 INF = np.inf
+FEET = range(4)
 SAMPLE_SIZE = 66
 
 
@@ -126,21 +127,37 @@ def cost_of(problem: Problem, motion: Motion) -> Cost:
     Where the motion has no forces, the feet in contact share them equally, which is the least that they can cost.
     """
     build, weights = CostBuilder(motion.size), problem.weights
-    build.add(weights.position, [(1.0, motion.base)], problem.base_reference_m)
-    build.add(weights.foot, [(1.0, motion.feet)], problem.foot_reference_m)
-    build.add(weights.acceleration, motion.base_acceleration, 0.0)
-    build.add(weights.foot_acceleration, motion.feet_acceleration, 0.0)
+    base_cost(build, problem, motion)
+    leg_cost(build, problem, motion)
     if motion.orientation is not None and motion.angular_acceleration is not None:
         build.add(weights.orientation, [(1.0, motion.orientation)], problem.rpy_reference_rad)
         build.add(weights.angular_acceleration, [(1.0, motion.angular_acceleration)], 0.0)
-    if motion.force is not None:
-        build.add(weights.force, [(1.0, motion.force)], 0.0)
-    else:
+    if motion.force is None:
         counts = problem.contacts.sum(axis=1)[:, None]
-        mass = problem.robot.mass_kg
         share = np.where(counts > 0, weights.force / np.maximum(counts, 1), 0.0)
+        mass = problem.robot.mass_kg
         build.add(share, [(mass * factor, q) for factor, q in motion.base_acceleration], mass * gravity(problem))
     return build.cost()
+
+
+def base_cost(build: CostBuilder, problem: Problem, motion: Motion) -> None:
+    """Add the cost of the base's path."""
+    build.add(problem.weights.position, [(1.0, motion.base)], problem.base_reference_m)
+    build.add(problem.weights.acceleration, motion.base_acceleration, 0.0)
+
+
+def leg_cost(build: CostBuilder, problem: Problem, motion: Motion, feet: Sequence[int] = FEET) -> None:
+    """Add the cost of the paths of some feet, and of their forces where these are unknowns."""
+    weights, chosen = problem.weights, list(feet)
+    build.add(weights.foot, [(1.0, motion.feet[:, chosen])], problem.foot_reference_m[:, chosen])
+    build.add(weights.foot_acceleration, [_of_feet(term, chosen) for term in motion.feet_acceleration], 0.0)
+    if motion.force is not None:
+        build.add(weights.force, [(1.0, motion.force[:, chosen])], 0.0)
+
+
+def _of_feet(term: Term, chosen: list[int]) -> Term:
+    factor, quantity = term
+    return factor, quantity[:, chosen]
 
 
 def gravity(problem: Problem) -> np.ndarray:
@@ -195,18 +212,14 @@ def _some(term: Term, samples: Index) -> Term:
 
 def region_rows(build: RowBuilder, problem: Problem, motion: Motion, choice: Choice) -> None:
     """Put every new foothold on its polygon, Eqs. (6)-(7), at the first sample of its stance."""
-    for number in range(len(problem.footsteps)):
-        foothold_rows(build, problem, motion, number, choice[number])
+    for number, left in enumerate(choice[: len(problem.footsteps)]):
+        foothold_rows(build, problem, motion, number, hull_of([problem.polygons[r] for r in left]))
 
 
-def foothold_rows(build: RowBuilder, problem: Problem, motion: Motion, number: int, left: tuple[int, ...]) -> None:
+def foothold_rows(build: RowBuilder, problem: Problem, motion: Motion, number: int, hull: Hull) -> None:
     """Put one foothold on the hull of the polygons that are left to it."""
     footstep = problem.footsteps[number]
-    hull = hull_of([problem.polygons[r] for r in left])
-    _inside(build, hull, motion.feet[footstep.touch, footstep.foot], number)
-
-
-def _inside(build: RowBuilder, hull: Hull, foot: Quantity, number: int) -> None:
+    foot = motion.feet[footstep.touch, footstep.foot]
     build.add(
         "region", -INF, hull.bounds, [(hull.planes[:, a], foot[a][None]) for a in range(3)],
         where=(number, np.arange(len(hull.bounds))),
@@ -222,16 +235,16 @@ def friction_rows(build: RowBuilder, problem: Problem, motion: Motion, choice: C
     for foot in range(4):
         for support in _supports(problem, foot):
             left = (problem.start_polygons[foot],) if support < 0 else choice[support]
-            stance_rows(build, problem, motion, foot, support, left)
+            cone = cone_hull([problem.polygons[r] for r in left])
+            stance_rows(build, problem, motion, foot, support, cone)
 
 
 def stance_rows(
-    build: RowBuilder, problem: Problem, motion: Motion, foot: int, support: int, left: tuple[int, ...]
+    build: RowBuilder, problem: Problem, motion: Motion, foot: int, support: int, cone: np.ndarray
 ) -> None:
     """Keep the forces of one stance in the cone of the polygons that are left to it."""
     assert motion.force is not None
     samples = np.flatnonzero(problem.support_index[:, foot] == support)
-    cone = cone_hull([problem.polygons[r] for r in left])
     force = motion.force[samples, foot]
     terms = [(cone[None, :, a], force[:, a][:, None]) for a in range(3)]
     build.add("friction", -INF, 0.0, terms, where=(samples[:, None], foot, np.arange(len(cone))))
@@ -251,11 +264,12 @@ def contact_rows(build: RowBuilder, problem: Problem, motion: Motion, rates: Rat
     build.add("contact", 0.0, 0.0, [(1.0, motion.force[free])])
 
 
-def torque_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+def torque_rows(build: RowBuilder, problem: Problem, motion: Motion, feet: Sequence[int] = FEET) -> None:
     """Bound the joint torques |J' f| at the reference joints, Eq. (14)."""
     assert motion.force is not None
     limit = np.array(problem.robot.torque_max_nm)
-    for foot, jacobian in enumerate(np.array(problem.robot.jacobians)):
+    for foot in feet:
+        jacobian = np.array(problem.robot.jacobians[foot])
         samples = np.flatnonzero(problem.contacts[:, foot])
         force = motion.force[samples, foot]
         terms = [(jacobian[a][None, :], force[:, a][:, None]) for a in range(3)]
@@ -270,25 +284,26 @@ def base_torque_rows(build: RowBuilder, problem: Problem, motion: Motion) -> Non
     build.add("base torque", -limit, limit, terms, where=(np.arange(problem.samples)[:, None], np.arange(3)))
 
 
-def reach_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+def reach_rows(build: RowBuilder, problem: Problem, motion: Motion, feet: Sequence[int] = FEET) -> None:
     """Keep every foot, in swing too, in the box about its nominal position that moves with the base, Eq. (16)."""
-    sample, foot = np.arange(problem.samples)[:, None, None], np.arange(4)[None, :, None]
-    nominal = np.array(problem.robot.feet_m)[None]
+    chosen = list(feet)
+    sample, foot = np.arange(problem.samples)[:, None, None], np.array(chosen)[None, :, None]
+    nominal = np.array(problem.robot.feet_m)[None, chosen]
     reach = np.array(problem.robot.foot_reach_m)
     turn = problem.rotations[:, None]
-    feet = [(turn[..., b, :], motion.feet[..., b][..., None]) for b in range(3)]
+    points = [(turn[..., b, :], motion.feet[:, chosen, b][..., None]) for b in range(3)]
     base = [(-turn[..., b, :], motion.base[:, None, b][..., None]) for b in range(3)]
-    build.add("reach", nominal - reach, nominal + reach, [*feet, *base], where=(sample, foot, np.arange(3)))
+    build.add("reach", nominal - reach, nominal + reach, [*points, *base], where=(sample, foot, np.arange(3)))
 
 
-def clearance_rows(build: RowBuilder, problem: Problem, motion: Motion) -> None:
+def clearance_rows(build: RowBuilder, problem: Problem, motion: Motion, feet: Sequence[int] = FEET) -> None:
     """Lift the swing foot above lift-off and touch-down in the middle of the swing (VII-A2)."""
     height = problem.options.clearance_m
     if height <= 0:
         return
     for number, footstep in enumerate(problem.footsteps):
         samples = np.array(footstep.cleared, dtype=np.int64)
-        if len(samples):
+        if len(samples) and footstep.foot in feet:
             vertical = motion.feet[:, footstep.foot, 2]
             for side, ground in enumerate((footstep.lift - 1, footstep.touch)):
                 terms = [(1.0, vertical[samples]), (-1.0, vertical[[ground]])]

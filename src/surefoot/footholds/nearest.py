@@ -43,9 +43,14 @@ class NearestFoothold:
 
 
 def nearest_footholds(
-    robot: Quadruped, polygons: tuple[Polygon, ...], gait: Gait, speed_mps: float, cycles: int
+    robot: Quadruped,
+    polygons: tuple[Polygon, ...],
+    gait: Gait,
+    speed_mps: float,
+    cycles: int,
+    start_m: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[NearestFoothold, ...]:
-    """Plan by the heuristic along x from 0.
+    """Plan by the heuristic along x.
 
     Args:
         robot: its numbers.
@@ -53,9 +58,10 @@ def nearest_footholds(
         gait: one cycle; the feet stand at its ends.
         speed_mps: of the base.
         cycles: how often the gait is repeated.
+        start_m: the ground below the base at first.
     """
     return tuple(
-        _foothold(robot, polygons, speed_mps, foot, touch_s, leave_s)
+        _foothold(robot, polygons, speed_mps, np.array(start_m), foot, touch_s, leave_s)
         for foot, touch_s, leave_s in sorted(_stances(gait, cycles), key=lambda stance: stance[1])
     )
 
@@ -76,9 +82,15 @@ def _stances(gait: Gait, cycles: int) -> Iterator[tuple[int, float, float]]:
 
 
 def _foothold(
-    robot: Quadruped, polygons: tuple[Polygon, ...], speed_mps: float, foot: int, touch_s: float, leave_s: float
+    robot: Quadruped,
+    polygons: tuple[Polygon, ...],
+    speed_mps: float,
+    start_m: Array,
+    foot: int,
+    touch_s: float,
+    leave_s: float,
 ) -> NearestFoothold:
-    below = np.array(robot.feet_m[foot]) - np.array([0.0, 0.0, robot.foot_reference_m[2]])
+    below = start_m + np.array(robot.feet_m[foot]) - np.array([0.0, 0.0, robot.foot_reference_m[2]])
     ahead = np.array([speed_mps, 0.0, 0.0])
     wished = below + (touch_s + (leave_s - touch_s) / 2) * ahead
     chosen = min((one.nearest(wished) for one in polygons), key=lambda point: float(np.linalg.norm(point - wished)))

@@ -6,26 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surefoot.footholds.model import (
-    Choice,
-    Motion,
-    clearance_rows,
-    cost_of,
-    dynamics_rows,
-    foothold_rows,
-    reach_rows,
-    stance_rows,
-    support_rows,
-    torque_rows,
-    whole_cost,
-    whole_motion,
-    whole_rows,
-    window_rows,
-)
+from surefoot.footholds.assembly import Assembly, Part, Parts
+from surefoot.footholds.model import Choice, Motion, support_rows, whole_cost, whole_motion, whole_rows, window_rows
 from surefoot.footholds.problem import Problem, impossible_cost
 from surefoot.footholds.qp import EquationBound, QpAnswer, broken_constant, solve_qp
-from surefoot.footholds.reduction import reduced_motion
-from surefoot.footholds.rows import FAMILIES, Array, Cost, RowBuilder, Rows, stacked
+from surefoot.footholds.rows import FAMILIES, Array, Cost, RowBuilder, Rows
 
 _CERTAIN = 100.0
 
@@ -53,63 +38,42 @@ class ReducedProgram:
     Args:
         problem: what to solve.
         forces: whether forces are unknowns. Without them friction and torque are left out, which is a relaxation.
+        parts: shared with the programs of other gaits of the same problem.
     """
 
-    def __init__(self, problem: Problem, *, forces: bool) -> None:
+    def __init__(self, problem: Problem, *, forces: bool, parts: Parts | None = None) -> None:
         self.problem = problem
         self.forces = forces
-        self.motion = reduced_motion(problem, forces=forces)
-        self.cost: Cost = cost_of(problem, self.motion)
-        build = RowBuilder(self.motion.size)
-        dynamics_rows(build, problem, self.motion)
-        reach_rows(build, problem, self.motion)
-        clearance_rows(build, problem, self.motion)
-        support_rows(build, problem, self.motion)
+        self.assembly = Assembly(problem, parts or Parts(problem), forces=forces)
+        self.motion = self.assembly.motion
+        self.cost: Cost = self.assembly.cost()
+        self.fixed = self.assembly.fixed()
+        if problem.options.com_support_m is not None:
+            build = RowBuilder(self.motion.size)
+            support_rows(build, problem, self.motion)
+            self.fixed.append(Part(build.rows()))
         if forces:
-            torque_rows(build, problem, self.motion)
-        self.fixed = build.rows()
+            self.fixed += [self.assembly.first_stance(foot) for foot in range(4)]
         self.certain = _CERTAIN * impossible_cost(problem)
-        self.blocks: dict[tuple[int, tuple[int, ...]], Rows] = {}
+        self.windows: dict[tuple[int, int], Part] = {}
 
     def rows(self, choice: Choice) -> Rows:
-        """Return the rows for what a choice leaves open; blocks are kept, as most nodes share most of them."""
-        steps = self.problem.footsteps
-        parts = [self.fixed, *(self.step(number, choice[number]) for number in range(len(steps)))]
-        if self.forces:
-            parts += [self.first_stance(foot) for foot in range(4)]
+        """Return the rows for what a choice leaves open."""
+        steps, parts = len(self.problem.footsteps), list(self.fixed)
+        for number, left in enumerate(choice[:steps]):
+            parts += self.assembly.step(number, left)
         if self.problem.options.collision:
-            closed = [(number, left[0]) for number, left in enumerate(choice[len(steps) :]) if len(left) == 1]
+            closed = [(number, left[0]) for number, left in enumerate(choice[steps:]) if len(left) == 1]
             parts += [self.window(number, region) for number, region in closed]
-        return stacked(parts)
+        return self.assembly.rows(parts)
 
-    def step(self, number: int, left: tuple[int, ...]) -> Rows:
-        """Return the rows of a footstep: its region, and its friction where forces are kept."""
-        key = (number, left)
-        if key not in self.blocks:
-            build = RowBuilder(self.motion.size)
-            foothold_rows(build, self.problem, self.motion, number, left)
-            if self.forces:
-                stance_rows(build, self.problem, self.motion, self.problem.footsteps[number].foot, number, left)
-            self.blocks[key] = build.rows()
-        return self.blocks[key]
-
-    def window(self, number: int, region: int) -> Rows:
+    def window(self, number: int, region: int) -> Part:
         """Return the rows of a window that a foot spends in one region."""
-        key = (len(self.problem.footsteps) + number, (region,))
-        if key not in self.blocks:
+        if (number, region) not in self.windows:
             build = RowBuilder(self.motion.size)
             window_rows(build, self.problem, self.motion, number, region)
-            self.blocks[key] = build.rows()
-        return self.blocks[key]
-
-    def first_stance(self, foot: int) -> Rows:
-        """Return the friction rows of a foot before its first swing."""
-        key = (-1 - foot, ())
-        if key not in self.blocks:
-            build = RowBuilder(self.motion.size)
-            stance_rows(build, self.problem, self.motion, foot, -1, (self.problem.start_polygons[foot],))
-            self.blocks[key] = build.rows()
-        return self.blocks[key]
+            self.windows[number, region] = Part(build.rows())
+        return self.windows[number, region]
 
     def solve(self, choice: Choice) -> Node:
         """Solve the program."""

@@ -14,27 +14,25 @@ import numpy as np
 
 from surefoot.footholds.model import Motion
 from surefoot.footholds.problem import Problem
-from surefoot.footholds.rows import Array, Quantity, Term
+from surefoot.footholds.rows import Array, Index, Quantity, Term
 
 
 def reduced_motion(problem: Problem, *, forces: bool) -> Motion:
     """Return the motion whose unknowns are base positions, swing points and footholds, and forces if wanted."""
     base, count = at_rest(problem.samples, problem.start_m, problem.goal_m)
     first = Quantity.unknown(np.arange(count, count + 3))
-    feet, count = _feet(problem, count + 3)
-    force = None
-    if forces:
-        index = np.full((problem.samples, 4, 3), -1, dtype=np.int64)
-        held = int(problem.contacts.sum())
-        index[problem.contacts] = np.arange(count, count + 3 * held).reshape(held, 3)
-        force, count = Quantity(index, np.zeros(index.shape)), count + 3 * held
+    legs, count = [], count + 3
+    for foot in range(4):
+        legs.append(_leg(problem, foot, count, forces=forces))
+        count += leg_size(problem, foot, forces=forces)
+    feet, force = (Quantity(*(np.stack(part, axis=1) for part in zip(*both, strict=True))) for both in zip(*legs))
     return Motion(
         size=count,
         base=base,
         base_acceleration=_base_acceleration(problem, base, first),
         feet=feet,
         feet_acceleration=differences(feet, problem.step_s),
-        force=force,
+        force=force if forces else None,
     )
 
 
@@ -48,20 +46,25 @@ def at_rest(size: int, start: Array, goal: Array) -> tuple[Quantity, int]:
     return Quantity(index, value), 3 * free
 
 
-def _feet(problem: Problem, count: int) -> tuple[Quantity, int]:
-    """Return the foot positions: one unknown point per foothold, and one per sample within a swing."""
-    size = problem.samples
-    index = np.full((size, 4, 3), -1, dtype=np.int64)
-    value = np.zeros((size, 4, 3))
-    for foot in range(4):
-        value[0, foot] = problem.feet_m[foot]
-        for sample in range(1, size):
-            if problem.contacts[sample, foot]:
-                index[sample, foot], value[sample, foot] = index[sample - 1, foot], value[sample - 1, foot]
-            else:
-                index[sample, foot] = np.arange(count, count + 3)
-                count += 3
-    return Quantity(index, value), count
+def leg_size(problem: Problem, foot: int, *, forces: bool) -> int:
+    """Return how many unknowns a foot has: a point per swing sample, and a force per stance sample if wanted."""
+    held = int(problem.contacts[:, foot].sum())
+    return 3 * (problem.samples - held + (held if forces else 0))
+
+
+def _leg(problem: Problem, foot: int, count: int, *, forces: bool) -> tuple[tuple[Index, Array], tuple[Index, Array]]:
+    """Return places and known numbers of a foot's positions and of its forces.
+
+    There is one unknown point per sample of a swing; the last of them is the foothold, at which the foot stays.
+    """
+    held, axes = problem.contacts[:, foot], np.arange(3)
+    known = np.zeros((problem.samples, 3))
+    since = np.maximum.accumulate(np.where(held, -1, np.arange(problem.samples)))
+    swung = count + 3 * (np.cumsum(~held) - 1)
+    index = np.where(since[:, None] >= 0, swung[since][:, None] + axes, -1)
+    pushed = count + 3 * (int((~held).sum()) + np.cumsum(held) - 1)
+    force = np.where(held[:, None] & forces, pushed[:, None] + axes, -1)
+    return (index, np.where(since[:, None] >= 0, known, problem.feet_m[foot])), (force, known)
 
 
 def differences(position: Quantity, step_s: float) -> tuple[Term, ...]:

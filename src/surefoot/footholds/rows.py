@@ -237,11 +237,15 @@ class CostBuilder:
 
     def cost(self) -> Cost:
         """Return the sum of what was added."""
-        rows, weights = self._rows.rows(), np.concatenate(self._weights)
-        weighted = sp.diags_array(2.0 * weights) @ rows.matrix
-        hessian = sp.csc_matrix(rows.matrix.T @ weighted)
-        hessian.sort_indices()
-        alone = np.diff(rows.matrix.indptr) == 1
-        single = rows.matrix[alone]
-        curvature = np.asarray(single.multiply(single).T @ (2.0 * weights[alone])).ravel()
-        return Cost(hessian, -(weighted.T @ rows.lower), float(weights @ rows.lower**2), curvature)
+        return squared(self._rows.rows(), np.concatenate(self._weights))
+
+
+def squared(rows: Rows, weights: Array) -> Cost:
+    """Return the sum of weight * (row - its lower limit) ** 2."""
+    weighted = sp.diags_array(2.0 * weights) @ rows.matrix
+    hessian = sp.csc_matrix(rows.matrix.T @ weighted)
+    hessian.sort_indices()
+    alone = np.diff(rows.matrix.indptr) == 1
+    single = rows.matrix[alone]
+    curvature = np.asarray(single.multiply(single).T @ (2.0 * weights[alone])).ravel()
+    return Cost(hessian, -(weighted.T @ rows.lower), float(weights @ rows.lower**2), curvature)

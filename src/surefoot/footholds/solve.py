@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from surefoot.footholds.assembly import Parts
 from surefoot.footholds.explain import Explanation, explain
 from surefoot.footholds.form import standard_form
 from surefoot.footholds.gaits import FreeGait, Gait
@@ -130,13 +131,13 @@ def solve(
 
 
 def cheapest(
-    problem: Problem, *, cancelled: Callable[[], bool], worth: float
+    problem: Problem, *, cancelled: Callable[[], bool], worth: float, parts: Parts | None = None
 ) -> tuple[float, Choice | None, Node | None]:
     """Return what a gait costs without turning, its choice, and its first program; none when it is worth too little.
 
-    This is ``solve`` without plan, residuals and certificates: for comparing many gaits.
+    This is ``solve`` without plan, residuals and certificates: for comparing many gaits, whose programs share parts.
     """
-    run = _Solving(problem, cancelled, (), worth)
+    run = _Solving(problem, cancelled, (), worth, parts)
     root, boxes = reachable(problem)
     if boxes.empty is not None:
         return np.inf, None, None
@@ -148,8 +149,14 @@ class _Solving:
     """One run: what it needs to know on the way."""
 
     def __init__(
-        self, problem: Problem, cancelled: Callable[[], bool], guesses: tuple[Choice, ...], worth: float = np.inf
+        self,
+        problem: Problem,
+        cancelled: Callable[[], bool],
+        guesses: tuple[Choice, ...],
+        worth: float = np.inf,
+        parts: Parts | None = None,
     ) -> None:
+        self.parts = parts or Parts(problem)
         self.problem, self.cancelled, self.guesses, self.worth = problem, cancelled, guesses, worth
         load_backends()
         self.begin, self.begin_cpu = time.perf_counter(), time.process_time()
@@ -194,7 +201,7 @@ class _Solving:
             self.notes.append("whole model: with moment balance orientation and forces are coupled")
             program = WholeProgram(self.problem)
             return program, self.search(program, root)
-        program = ReducedProgram(self.problem, forces=False)
+        program = ReducedProgram(self.problem, forces=False, parts=self.parts)
         outcome = self.search(program, root, accept=lambda choice, node: slack(self.problem, program, choice, node))
         if outcome.slack or self.limit is not None:
             return program, outcome
@@ -202,7 +209,7 @@ class _Solving:
         self.notes.append(
             "forces are kept as unknowns: shared equally, they leave a friction pyramid or a torque limit"
         )
-        program = ReducedProgram(self.problem, forces=True)
+        program = ReducedProgram(self.problem, forces=True, parts=self.parts)
         tried = () if outcome.pressing is None else (outcome.pressing,)
         return program, self.search(program, root, guesses=(*tried, *self.guesses), before=outcome.root)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import platform
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from surefoot.compute import process_pool
 from surefoot.errors import InputError
 from surefoot.footholds.solve import load_backends
 from surefoot.missions.plan_writer import reference
+from surefoot.missions.quadruped_blocked import Blockade
 from surefoot.missions.quadruped_crossing import OnlineLimits
 from surefoot.missions.quadruped_events import Event, read_events
 from surefoot.missions.quadruped_records import Log
@@ -28,8 +29,10 @@ from surefoot.missions.quadruped_world import World
 from surefoot.missions.run_writer import RunWriter
 from surefoot.robots.quadruped import quadruped
 from surefoot.skills import QuadrupedTerrain, read_terrain
+from surefoot.skills.blocking import Barrier
 from surefoot.skills.headings import turning_of
 from surefoot.skills.library import LIBRARY, SkillLibrary, read_library
+from surefoot.skills.obstacles import in_words, why_obstacle
 from surefoot.skills.physics import PRELOAD
 from surefoot.skills.quadruped_terrain import Point
 from surefoot.skills.skill_game import pair_game, solve_game
@@ -47,6 +50,7 @@ class QuadrupedAnswer:
     Attributes:
         reached: whether the robot stands in the cell of the goal.
         why_not: why it does not; empty if it does.
+        blocked_by: what stands in the way where none leads to the goal, with the measures that decide.
         transitions: that were walked.
         repairs: strategies that were made at run time, because the library had none or a program failed.
         new_skills: skills that physics certified at run time.
@@ -72,6 +76,7 @@ class QuadrupedAnswer:
 
     reached: bool
     why_not: str
+    blocked_by: tuple[Barrier, ...]
     transitions: int
     repairs: int
     new_skills: int
@@ -152,7 +157,9 @@ def walk_quadruped(
         world, robot = World(terrain), quadruped(terrain.robot)
         stance = stance_about(robot, world, terrain.centre_m(terrain.cell_at(start)), 0)
         if stance is None or world.state(stance.cell) is None:
-            raise InputError(f"the robot cannot stand at the start, in cell {terrain.cell_at(start)}", key="start_m")
+            cell = terrain.cell_at(start)
+            why = in_words(why_obstacle(terrain, cell)) or "no pose near its centre is one that the robot can stand in"
+            raise InputError(f"the robot cannot stand at the start, in cell {cell}: {why}", key="start_m")
         _warm_up()
         with RunWriter(out) as writer:
             log = Log(writer, progress)
@@ -165,9 +172,10 @@ def walk_quadruped(
                 events=events, limits=order.limits, delays_s=delays_s, most_segments=most,
             )  # fmt: skip
             why_not = walk.run()
+            blocked = _blocked(walk) if why_not else ()
             log.write("end", reached=not why_not, why_not=why_not, cell=walk.stance.cell, segments=len(walk.segments))
     progress("verifying the log")
-    return walk, _answer(walk, why_not, out)
+    return walk, _answer(walk, why_not, blocked, out)
 
 
 def _terrain(order: QuadrupedOrder) -> QuadrupedTerrain:
@@ -208,6 +216,7 @@ def _header(
         "versions": {"python": platform.python_version(), "numpy": np.__version__},
         "terrain": reference(order.terrain, out),
         "library": None if library is None else reference(library.folder / LIBRARY, out),
+        "files": [reference(one, out) for one in _other_files(order.terrain, terrain)],
         "classes": terrain.classes.name,
         "robot": terrain.robot,
         "cell_m": terrain.cell_m,
@@ -224,16 +233,30 @@ def _header(
     }
 
 
+def _other_files(path: Path, terrain: QuadrupedTerrain) -> Iterator[Path]:
+    """Yield the files that a terrain file refers to: rules of classes, and polygons."""
+    if terrain.classes.source is not None:
+        yield terrain.classes.source
+    if terrain.polygons_from is not None and terrain.polygons_from != path:
+        yield terrain.polygons_from
+
+
 def _cell_of(terrain: QuadrupedTerrain, place_m: Point | None) -> Cell | None:
     return None if place_m is None else terrain.cell_at(place_m)
 
 
-def _answer(walk: QuadrupedWalk, why_not: str, out: Path) -> QuadrupedAnswer:
+def _blocked(walk: QuadrupedWalk) -> tuple[Barrier, ...]:
+    blockade = Blockade(walk.world, walk.book.knowledge, walk.failed, walk.book.turning)
+    return blockade.between(walk.stance.cell, walk.goal)
+
+
+def _answer(walk: QuadrupedWalk, why_not: str, blocked: tuple[Barrier, ...], out: Path) -> QuadrupedAnswer:
     report, tally = verify_path(out), walk.tally
     slots, programs = tally.slots, tally.crossed
     return QuadrupedAnswer(
         reached=not why_not,
         why_not=why_not,
+        blocked_by=blocked,
         transitions=len(walk.segments),
         repairs=tally.repairs,
         new_skills=tally.new_skills,

@@ -5,31 +5,77 @@ Source: Zhou et al. 2025, Fig. 8, Table III; the oracle is ours.
 
 from __future__ import annotations
 
-import os
-import tempfile
-import time
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
-from surefoot.compute import process_pool
 from surefoot.errors import InputError
-from surefoot.footholds import solve
+from surefoot.footholds import Problem, solve
+from surefoot.missions.bench_campaign import Campaign
 from surefoot.missions.quadruped import QuadrupedAnswer, QuadrupedOrder, walk_quadruped
 from surefoot.missions.quadruped_crossing import Crossed
 from surefoot.missions.quadruped_route import on_map
+from surefoot.missions.quadruped_walk import QuadrupedWalk
 from surefoot.missions.quadruped_world import World
-from surefoot.skills import QuadrupedTerrain, TerrainSet, generated, terrain_set, write_terrain
-from surefoot.skills.library import read_library
-from surefoot.skills.making import make_library
-from surefoot.skills.manager import Knowledge
-from surefoot.skills.physics import PRELOAD
+from surefoot.skills import Knowledge, QuadrupedTerrain, generated, read_library, write_terrain
 from surefoot.skills.shortest import fewest_new
-from surefoot.skills.terrain_checks import terrain_checks
 from surefoot.skills.values import Cell
 
-SCENES = ("unstructured-4", "unstructured-8", "rebar-7", "rebar-14")
-Say = Callable[[str], None]
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How a run ended: what is kept of its answer, whose words these are (``QuadrupedAnswer``).
+
+    Attributes:
+        refuted: moves that no gait could do, and what each lacks.
+    """
+
+    reached: bool
+    why_not: str
+    verified: bool
+    findings: tuple[str, ...]
+    transitions: int
+    repairs: int
+    new_skills: int
+    resynthesis_ms: float
+    repair_ms: float
+    contradictions: int
+    other_gaits: int
+    settled: int
+    limits: int
+    detours: int
+    idle_s: float
+    idle_for_checks_s: float
+    walked_s: float
+    refuted: tuple[str, ...] = ()
+
+    @property
+    def told(self) -> str:
+        """The same in a sentence."""
+        end = "reached" if self.reached else f"NOT reached: {self.why_not}"
+        checked = "" if self.verified else f", NOT VERIFIED: {self.findings[0]}"
+        return f"{end}, {self.transitions} segments, {self.contradictions} contradictions{checked}"
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """One online program.
+
+    Attributes:
+        solve_ms, retarget_ms: processor times.
+        polygons, continuous, binaries: its size, as the paper counts.
+        clear_ms, plain_ms: of the same program solved anew with and without its free regions; None where it has none.
+        plain_binaries: binary variables without them.
+    """
+
+    solve_ms: float
+    retarget_ms: float
+    polygons: int
+    continuous: int
+    binaries: int
+    clear_ms: float | None
+    plain_ms: float | None
+    plain_binaries: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,93 +83,100 @@ class Mission:
     """One seed of a scene.
 
     Attributes:
-        seed: of the map.
+        scene, seed: of the map.
+        left_out: why nobody walked it; empty if somebody did.
         way: whether the oracle says that a way exists.
-        answer: what the run did.
-        with_collision_ms, without_ms: solve times of the same programs with and without free regions.
-    """
-
-    seed: int
-    way: bool
-    answer: QuadrupedAnswer
-    with_collision_ms: tuple[float, ...]
-    without_ms: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class SceneResult:
-    """All seeds of a scene.
-
-    Attributes:
-        scene: its name.
-        library_s: what making the skills took.
-        missions: one for every seed.
-        solve_ms: processor times of all online programs.
+        ended: how it ended.
+        programs: that were solved on the way.
     """
 
     scene: str
-    library_s: float
-    missions: tuple[Mission, ...]
-    solve_ms: tuple[float, ...]
-    retarget_ms: tuple[float, ...]
-
-    @property
-    def missed(self) -> tuple[Mission, ...]:
-        """Seeds with a way whose goal was not reached."""
-        return tuple(one for one in self.missions if one.way and not one.answer.reached)
+    seed: int
+    left_out: str
+    way: bool
+    ended: Ended | None
+    programs: tuple[Program, ...]
 
 
-def measure_scene(scene: str, seeds: Sequence[int], say: Say = lambda _: None) -> SceneResult:
-    """Make the skills that all maps of a scene need, and walk each map whose start the robot can stand in."""
-    terrains = [generated(scene, seed) for seed in seeds]
-    with tempfile.TemporaryDirectory(prefix="surefoot-") as name:
-        folder = Path(name)
-        begin_s = time.perf_counter()
-        make_scene_library(terrains, folder / "library", say)
-        library_s = time.perf_counter() - begin_s
-        missions, solve_ms, retarget_ms = [], [], []
-        for seed, terrain in zip(seeds, terrains, strict=True):
-            file = folder / f"{seed}.yaml"
-            write_terrain(file, terrain)
-            try:
-                walk, answer = walk_quadruped(QuadrupedOrder(file, folder / "library"), folder / f"run-{seed}")
-            except InputError as refused:  # a drawn map may have a start in which the robot cannot stand
-                say(f"{scene}, seed {seed}: left out: {refused}")
-                continue
-            way = oracle(terrain, read_library(folder / "library").knowledge)
-            pairs = [pair for one in walk.tally.crossed if (pair := _both(one)) is not None]
-            missions.append(Mission(seed, way, answer, tuple(a for a, _ in pairs), tuple(b for _, b in pairs)))
-            solve_ms += [one.solve_ms for one in walk.tally.crossed]
-            retarget_ms += [one.retarget_ms for one in walk.tally.crossed]
-            say(f"{scene}, seed {seed}: {_told(answer, way=way)}")
-    return SceneResult(scene, library_s, tuple(missions), tuple(solve_ms), tuple(retarget_ms))
+def measure_mission(campaign: Campaign, scene: str, seed: int) -> Mission:
+    """Walk a map whose start the robot can stand in."""
+    terrain, place = generated(scene, seed), campaign.place(scene, seed)
+    file, library = place / "terrain.yaml", campaign.library(scene)
+    place.mkdir(parents=True, exist_ok=True)
+    write_terrain(file, terrain)
+    try:
+        walk, ended = walked(QuadrupedOrder(file, library), place / "run")
+    except InputError as refused:  # a drawn map may have a start in which the robot cannot stand
+        campaign.say(f"{scene}, seed {seed}: left out: {refused}")
+        return Mission(scene, seed, str(refused), False, None, ())
+    way = oracle(terrain, read_library(library).knowledge)
+    campaign.say(f"{scene}, seed {seed}: {ended.told}{'' if way else ' (no way exists)'}")
+    return Mission(scene, seed, "", way, ended, tuple(_program(one) for one in walk.tally.crossed))
 
 
-def _told(answer: QuadrupedAnswer, *, way: bool) -> str:
-    end = "reached" if answer.reached else answer.why_not
-    checked = "" if answer.verified else f", NOT VERIFIED: {answer.findings[0]}"
-    numbers = f"{answer.transitions} segments, {answer.solve_ms_mean:.0f} ms, {answer.contradictions} contradictions"
-    return f"{end}{'' if way else ' (no way exists)'}, {numbers}{checked}"
+def walked(order: QuadrupedOrder, out: Path) -> tuple[QuadrupedWalk, Ended]:
+    """Walk a mission and keep how it ended, with an explanation of every move that no gait could do."""
+    walk, answer = walk_quadruped(order, out)
+    return walk, _ended(answer, refuted(walk.world.terrain, walk.tally.crossed))
 
 
-def make_scene_library(terrains: Iterable[QuadrupedTerrain], folder: Path, say: Say) -> None:
-    """Make one library for the terrain states of several maps of a scene."""
-    sets = [terrain_set(terrain) for terrain in terrains]
-    states = dict.fromkeys(state for one in sets for state in one.states)
-    first = sets[0]
-    joined = TerrainSet(first.name, first.cell_m, first.classes, first.robot, tuple(states), first.asked)
-    workers = len(os.sched_getaffinity(0))
-    with process_pool(workers, preload=PRELOAD) as executor:
-        checks = terrain_checks(generated(first.classes.name, 0), executor)
-        make_library(joined, folder, checks, at_once=3 * workers, say=say)
+def _ended(answer: QuadrupedAnswer, moves: tuple[str, ...]) -> Ended:
+    kept = {one.name: getattr(answer, one.name) for one in fields(Ended) if one.name != "refuted"}
+    return Ended(**kept, refuted=moves)
+
+
+def refuted(terrain: QuadrupedTerrain, programs: Collection[Crossed]) -> tuple[str, ...]:
+    """Return, for every move that no gait could do, why the first of its programs has no motion."""
+    failed: dict[tuple[Cell, Cell], Crossed] = {}
+    for one in programs:
+        if one.infeasible:
+            failed.setdefault(_move(terrain, one.problem), one)
+    done = {_move(terrain, one.problem) for one in programs if not one.reason}
+    return tuple(
+        f"{here} to {there}: {_lacks(one)}" for (here, there), one in failed.items() if (here, there) not in done
+    )
+
+
+def _move(terrain: QuadrupedTerrain, problem: Problem) -> tuple[Cell, Cell]:
+    (a, b, _), (c, d, _) = problem.start_m.tolist(), problem.goal_m.tolist()
+    return terrain.cell_at((a, b)), terrain.cell_at((c, d))
+
+
+def _lacks(crossed: Crossed) -> str:
+    if crossed.solution is None:
+        return crossed.reason
+    explained = solve(crossed.problem, certify=False).explanation
+    return crossed.reason + ("" if explained is None else f"; {explained.text}")
+
+
+def _program(crossed: Crossed) -> Program:
+    problem = crossed.problem
+    clear_ms = plain_ms = None
+    if problem.free_regions and not crossed.reason:
+        options = replace(problem.options, collision=False)
+        plain = replace(problem, free_regions=(), options=options)
+        clear_ms, plain_ms = (solve(one, certify=False, why=False).solve_cpu_ms for one in (problem, plain))
+    return Program(
+        solve_ms=crossed.solve_ms,
+        retarget_ms=crossed.retarget_ms,
+        polygons=len(problem.polygons),
+        continuous=crossed.continuous,
+        binaries=crossed.binaries,
+        clear_ms=clear_ms,
+        plain_ms=plain_ms,
+        plain_binaries=len(problem.footsteps) * len(problem.polygons),
+    )
 
 
 def oracle(terrain: QuadrupedTerrain, knowledge: Knowledge) -> bool:
     """Return whether requests of the local grids lead from start to goal without what physics refused."""
-    world = World(terrain)
     assert terrain.start_m is not None
     assert terrain.goal_m is not None
-    start, goal = terrain.cell_at(terrain.start_m), terrain.cell_at(terrain.goal_m)
+    return way_exists(World(terrain), terrain.cell_at(terrain.start_m), terrain.cell_at(terrain.goal_m), knowledge)
+
+
+def way_exists(world: World, start: Cell, goal: Cell, knowledge: Knowledge) -> bool:
+    """Return the same for any two cells of a world, in which obstacles may have appeared."""
     seen, stack = {start}, [start]
     while stack:
         cell = stack.pop()
@@ -145,12 +198,3 @@ def _successors(world: World, cell: Cell, knowledge: Knowledge) -> list[Cell]:
         if inside and fewest_new(state, local, knowledge.skills, knowledge.refused) is not None:
             found.append(target)
     return found
-
-
-def _both(crossed: Crossed) -> tuple[float, float] | None:
-    """Return the solve times of a program with and without its free regions; None where it has none."""
-    if not crossed.problem.free_regions or crossed.reason:
-        return None
-    options = replace(crossed.problem.options, collision=False)
-    plain = replace(crossed.problem, free_regions=(), options=options)
-    return crossed.solve_ms, solve(plain, certify=False, why=False).solve_cpu_ms

@@ -6,8 +6,8 @@ Source: Zhou et al. 2025, VII-A.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -23,6 +23,7 @@ from surefoot.skills.values import Cell
 
 LIMIT = "limit:"
 """Begins the reason of a program that was left open."""
+_CANCELLED = "cancelled"
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +33,13 @@ class OnlineLimits:
     Attributes:
         gap: relative gap at which the search for a better motion stops.
         time_limit_s: of one search, in processor time.
+        better_s: how much of it is spent on better motions; after that any motion will do.
         collision: whether feet keep clear of the edges of steps.
     """
 
     gap: float = 0.01
     time_limit_s: float = 5.0
+    better_s: float = 0.5
     collision: bool = True
 
 
@@ -129,17 +132,31 @@ def cross(problem: Problem, certificate: Certificate, limits: OnlineLimits) -> C
         )
     problem = retargeted(problem, found)
     begin = time.process_time()
-    end_s = begin + limits.time_limit_s
-
-    def spent() -> bool:
-        return time.process_time() > end_s
-
-    solution = solve(problem, cancelled=spent, certify=False, why=False, guesses=guesses(problem, certificate))
-    if solution.verdict == "unknown" and not spent():
-        solution = solve(problem, cancelled=spent, why=False)
+    solution = _solved(problem, guesses(problem, certificate), limits)
     solve_ms = 1e3 * (time.process_time() - begin)
     reason = "" if solution.verdict == "feasible" else _reason(solution)
     return done(problem, solution, found.shift_m or 0.0, solve_ms, reason=reason)
+
+
+def _solved(problem: Problem, tried_first: tuple[Choice, ...], limits: OnlineLimits) -> Solution:
+    """Search for a good motion for a while, then for any motion, and last for a proof by the second method.
+
+    The robot stands when the motion before ends, so that a good motion in time is worth more than the best one late.
+    """
+    better, spent = _budget(min(limits.better_s, limits.time_limit_s)), _budget(limits.time_limit_s)
+    solution = solve(problem, cancelled=better, certify=False, why=False, guesses=tried_first)
+    if solution.verdict == "unknown" and solution.limit == _CANCELLED and not spent():
+        any_motion = replace(problem, options=replace(problem.options, first_plan=True))
+        solution = solve(any_motion, cancelled=spent, certify=False, why=False)
+    if solution.verdict == "unknown" and not spent():
+        solution = solve(problem, cancelled=spent, why=False)
+    return solution
+
+
+def _budget(cpu_s: float) -> Callable[[], bool]:
+    """Return what tells whether so much processor time has gone."""
+    end_s = time.process_time() + cpu_s
+    return lambda: time.process_time() > end_s
 
 
 def _crossed(

@@ -104,7 +104,7 @@ class QuadrupedWalk:
         self.limits = limits or OnlineLimits()
         self.delays_s, self.most_segments = delays_s, most_segments
         self.tally, self.clock = Tally(), Clock()
-        self.failed: set[Edge] = set()
+        self.failed: dict[Edge, Crossed] = {}
         self.lost: set[Edge] = set()
         self.segments: list[Segment] = []
         self.requests = 0
@@ -127,7 +127,7 @@ class QuadrupedWalk:
         state = self.world.state(cell, turns)
         if state is None:
             return "the robot's own cell has become an obstacle"
-        closed, refused = self.failed | self.lost, self.book.knowledge.refused
+        closed, refused = set(self.failed) | self.lost, self.book.knowledge.refused
         routes = Routes(self.world, self.goal, turns, refused, closed, self.book.turning)
         route = routes.route(cell)
         if route is None:
@@ -321,5 +321,5 @@ class QuadrupedWalk:
     def _fail(self, target: Pose, primitive: Primitive, move: tuple[Pose, Pose], crossed: Crossed) -> None:
         """Disallow a transition on this ground; its class may be feasible elsewhere."""
         self.tally.limits += not crossed.infeasible
-        self.failed.add((self._pose, target))
+        self.failed[self._pose, target] = crossed
         self.log.failed(self.stance, target, primitive, move, crossed)

@@ -272,11 +272,12 @@ for _type in (Reference, FinePlace, Outcome, PlannedStep, StepPush, FallPush, *_
     setattr(_type, "__pydantic_config__", ConfigDict(strict=True, allow_inf_nan=False, extra="ignore"))  # noqa: B010
 
 
-def read_run(path: Path) -> Run:
+def read_run(path: Path, *, growing: bool = False) -> Run:
     """Read a run log.
 
     Args:
         path: the file ``run.jsonl``, or the folder that holds it.
+        growing: whether a last line without its end is passed over, because it is still being written.
 
     Raises:
         InputError: if it cannot be read, was cut off in the middle of a line, or holds other records than a log does.
@@ -284,7 +285,7 @@ def read_run(path: Path) -> Run:
     path = path / "run.jsonl" if path.is_dir() else path
     readers: dict[str, TypeAdapter[Any]] = {name: TypeAdapter(record) for name, record in _RECORDS.items()}
     found: dict[type, list[Any]] = {record: [] for record in _RECORDS.values()}
-    for line, text in _lines(path):
+    for line, text in _lines(path, growing=growing):
         value = _record(text, readers, path, line)
         if not found[Header] and not isinstance(value, Header):
             raise InputError("the first record has to be the header of a biped-run", source=path, line=line)
@@ -306,13 +307,14 @@ def read_run(path: Path) -> Run:
     )
 
 
-def _lines(path: Path) -> list[tuple[int, bytes]]:
+def _lines(path: Path, *, growing: bool) -> list[tuple[int, bytes]]:
     if not path.is_file():
         raise InputError("does not exist; a run's folder holds run.jsonl", source=path)
     if path.stat().st_size > MAX_BYTES:
         raise InputError(f"is larger than the {MAX_BYTES} bytes that are allowed", source=path)
     with path.open("rb") as stream:
-        return [(number, text) for number, text in enumerate(stream, 1) if text.strip()]
+        lines = enumerate(stream, 1)
+        return [(number, text) for number, text in lines if text.strip() and (text.endswith(b"\n") or not growing)]
 
 
 def _record(text: bytes, readers: dict[str, TypeAdapter[Any]], path: Path, line: int) -> Any:

@@ -49,6 +49,10 @@ class SetBlock(Block):
     about: Annotated[str, Field(max_length=200)] = ""
     robot: Annotated[str, Field(min_length=1, max_length=100)]
     cell_m: Annotated[float, Field(ge=0.1, le=5)]
+    cells_m: Annotated[
+        tuple[Annotated[float, Field(ge=0.1, le=5)], Annotated[float, Field(ge=0.1, le=5)]] | None,
+        Field(description="least and largest side of the cells for which the rules make sense; default: cell_m only"),
+    ] = None
     margin_m: Annotated[float, Field(ge=0, le=0.1, description="taken off every edge of the ground")] = 0.0
     measures: Annotated[Literal["ground", "bars"], Field(description="how cells are measured: ground or bars")]
     levels: Annotated[dict[str, tuple[LevelBlock, ...]], Field(min_length=1)]

@@ -65,6 +65,7 @@ class ClassSet:
         easy: pairs of classes (here, next) among which the first skills are looked for.
         digest: SHA-256 of the rules; a library keeps it.
         source: the file of rules; None for those that come with Surefoot.
+        cells_m: least and largest side of the cells for which the rules make sense.
     """
 
     name: str
@@ -78,6 +79,7 @@ class ClassSet:
     easy: tuple[tuple[str, str], ...]
     digest: str
     source: Path | None = None
+    cells_m: tuple[float, float] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -169,6 +171,8 @@ class _Reading:
         wanted = MEASURES[block.measures]
         if sorted(levels) != sorted(wanted):
             self.complain(f"needs levels of exactly {', '.join(wanted)}, for `measures: {block.measures}`", "levels")
+        if block.cells_m is not None and not block.cells_m[0] <= block.cell_m <= block.cells_m[1]:
+            self.complain(f"needs two ascending numbers with cell_m, {block.cell_m:g}, between them", "cells_m")
         if OBSTACLE in block.classes:
             self.complain("is no class: its rules stand under the key `obstacle` of the set", "classes", OBSTACLE)
         self.check_rules(levels)
@@ -183,11 +187,12 @@ class _Reading:
         classes = {name: TerrainClass(name, one.about, one.ground) for name, one in block.classes.items()}
         self.check_turns()
         self.stop()
-        text = json.dumps(block.model_dump(mode="json"), sort_keys=True)
+        # which other cells a set serves changes nothing for the one that a library was made for
+        text = json.dumps(block.model_dump(mode="json", exclude={"cells_m"}), sort_keys=True)
         digest = hashlib.sha256(text.encode()).hexdigest()
         return ClassSet(
             self.name, block.robot, block.cell_m, block.margin_m, block.measures, levels, classes, claims, block.easy,
-            digest, None if self.path == SHIPPED else self.path,
+            digest, None if self.path == SHIPPED else self.path, block.cells_m,
         )  # fmt: skip
 
     def complain(self, message: str, *where: str | int) -> None:

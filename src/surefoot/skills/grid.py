@@ -18,6 +18,7 @@ from surefoot.errors import InputError
 from surefoot.skills.classes import ClassSet
 from surefoot.skills.headings import HEADINGS, Turning, turning_of
 from surefoot.skills.measures import Measured
+from surefoot.skills.obstacles import excesses, in_words
 from surefoot.skills.patches import Rectangle
 from surefoot.skills.quadruped_terrain import Point, QuadrupedTerrain
 from surefoot.skills.values import OBSTACLE, Cell, TerrainState
@@ -58,8 +59,8 @@ class LocalGrid:
         if not self.standing:
             x, y = self.centre_m
             raise InputError(
-                f"the robot's own cell, about ({x:g}, {y:g}), is an obstacle; it has to stand on ground of a class: "
-                + ", ".join(self.terrain.classes.names)
+                f"the robot's own cell, about ({x:g}, {y:g}), is an obstacle ({self._why()}); it has to stand on ground "
+                f"of a class: {', '.join(self.terrain.classes.names)}"
             )
         return TerrainState(self.labels)
 
@@ -75,6 +76,14 @@ class LocalGrid:
         rows, columns = self.terrain.grid
         support = self._measured((rows // 2, columns // 2)).height_m
         return tuple(tuple(self._label((r, c), support) for c in range(columns)) for r in range(rows))
+
+    def _why(self) -> str:
+        """Return what makes the middle an obstacle."""
+        rows, columns = self.terrain.grid
+        measured = self._measured((rows // 2, columns // 2)).turned(self.quarter_turns)
+        if math.isnan(measured.height_m):
+            return "there is no ground in it"
+        return in_words(excesses(self.terrain.classes, measured.seen_from(measured.height_m)))
 
     def _label(self, cell: Cell, support_m: float) -> str:
         measured = self._measured(cell).turned(self.quarter_turns)

@@ -20,6 +20,8 @@ from surefoot.footholds.terrain import Polygon
 from surefoot.skills.patches import Rectangle
 
 WINDOW_M = 0.35
+SLIVER_M = 0.03
+"""What reaches less far into a cell is the edge of a neighbour's ground: it has no say in the cell's height."""
 _PIECE_M2 = 0.005
 _TOUCH_M = 0.02
 _BAR_ASPECT = 3.0
@@ -72,12 +74,13 @@ class Ground:
     def measure(self, cell: Rectangle) -> Measured:
         """Return the measures of a cell whose sides lie along x and y."""
         inside = [one for k in self._near(cell) if (one := self._cut(k, cell)).area > 1e-9]
-        areas = np.array([one.area for one in inside])
-        heights = np.array([one.height_m for one in inside])
+        level = inside if self.kind == "bars" else ([one for one in inside if one.reach_m >= SLIVER_M] or inside)
+        areas = np.array([one.area for one in level])
+        heights = np.array([one.height_m for one in level])
         large = heights[areas >= _PIECE_M2]
         values = {"spread_m": round(float(np.ptp(large)), 6) if len(large) else 0.0}
-        values |= self._bars(cell) if self.kind == "bars" else self._ground(cell, inside)
-        return Measured(values, float(areas @ heights / areas.sum()) if len(inside) else math.nan)
+        values |= self._bars(cell) if self.kind == "bars" else self._ground(cell, inside, level)
+        return Measured(values, float(areas @ heights / areas.sum()) if len(level) else math.nan)
 
     def _near(self, cell: Rectangle) -> list[int]:
         return sorted(self.tree.query(shapely.box(cell.west, cell.south, cell.east, cell.north)).tolist())
@@ -86,13 +89,13 @@ class Ground:
         shape = shapely.clip_by_rect(self.shapes[number], cell.west, cell.south, cell.east, cell.north)
         return _Piece(shape, self.polygons[number])
 
-    def _ground(self, cell: Rectangle, inside: list[_Piece]) -> dict[str, float]:
+    def _ground(self, cell: Rectangle, inside: list[_Piece], level: list[_Piece]) -> dict[str, float]:
         area = (cell.east - cell.west) * (cell.north - cell.south)
         joined = shapely.union_all([one.shape for one in inside])
         parts = [part.area for part in shapely.get_parts(joined)]
         window = cell.shrunk(-WINDOW_M)
         around = shapely.union_all([self._cut(k, window).shape for k in self._near(window)])
-        slopes = [math.degrees(math.acos(min(float(one.polygon.normal[2]), 1.0))) for one in inside]
+        slopes = [math.degrees(math.acos(min(float(one.polygon.normal[2]), 1.0))) for one in level]
         return {
             "coverage": round(joined.area / area, 6),
             "largest": round(max(parts, default=0.0) / area, 6),
@@ -164,6 +167,12 @@ class _Piece:
     def __init__(self, shape: Any, polygon: Polygon) -> None:
         self.shape, self.polygon = shape, polygon
         self.area = float(shape.area)
+
+    @property
+    def reach_m(self) -> float:
+        """Its lesser extent along x or y."""
+        west, south, east, north = self.shape.bounds
+        return float(min(east - west, north - south))
 
     @property
     def height_m(self) -> float:

@@ -39,6 +39,15 @@ INITIAL_GAITS = ("trot-2s", "trot-3s")
 REPAIR_GAITS = ("leap-1.5s", "walk-2.25s", "free-1.5s", "free-2s", "free-3s")
 """What is tried for suggestions of the repair: two known gaits, which cost milliseconds, and then any gait at all."""
 
+TURN_GAITS = {
+    Turn.LEFT: ("trot-2s-mirrored", "trot-3s-mirrored", *INITIAL_GAITS),
+    Turn.RIGHT: (*INITIAL_GAITS, "trot-2s-mirrored", "trot-3s-mirrored"),
+}
+"""What is tried for turns before the gaits of the repair: first the trot whose outer front foot swings first.
+
+The other trot begins a turn with feet that are in each other's way: on dense stones it does half as many turns.
+"""
+
 FREE = "free-"
 """Begins the name of a gait that is to be found; its horizon in seconds follows, such as ``free-1.5s``."""
 

@@ -17,6 +17,21 @@ from surefoot.skills.values import Cell, Direction
 Point = tuple[float, float]
 
 
+@dataclass(frozen=True, slots=True)
+class Laid:
+    """How the frame of a terrain lies on the scan that its polygons come from; both share their origin.
+
+    Attributes:
+        yaw_deg: of the terrain's x axis, counter-clockwise from that of the scan.
+        scan: the file of the polygons before they were turned.
+        sha256: of that file.
+    """
+
+    yaw_deg: float
+    scan: str = ""
+    sha256: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class QuadrupedTerrain:
     """A terrain and how it is looked at. Row 0 of the map lies ahead (large x), column 0 to the left (large y).
@@ -37,6 +52,8 @@ class QuadrupedTerrain:
         source: the file that it was read from.
         yaw: whether the robot turns in place (IX-F); else it always faces along x.
         directions: which way it may walk if it turns, seen from the robot.
+        laid: how it lies on a scan; None where nobody laid it.
+        polygons_from: the file that its polygons were read from, if its own does not hold them.
     """
 
     name: str
@@ -54,6 +71,8 @@ class QuadrupedTerrain:
     source: Path | None = None
     yaw: bool = False
     directions: tuple[Direction, ...] = tuple(Direction)
+    laid: Laid | None = None
+    polygons_from: Path | None = None
 
     @cached_property
     def ground(self) -> Ground:

@@ -13,6 +13,14 @@ Index = Annotated[int, Field(ge=-1000, le=1000)]
 Place = tuple[Metres, Metres]
 
 
+class LaidBlock(Block):
+    """How a terrain lies on the scan that its polygons come from."""
+
+    yaw_deg: Annotated[float, Field(ge=-360, le=360, description="of the x axis, counter-clockwise from the scan's")]
+    scan: Annotated[str, Field(max_length=4096, description="file of `surefoot terrain segment`")] = ""
+    sha256: Annotated[str, Field(max_length=64, description="of that file")] = ""
+
+
 class TerrainBlock(Block):
     """The terrain of a quadruped."""
 
@@ -48,3 +56,6 @@ class TerrainBlock(Block):
     ] = None
     start_m: Annotated[Place | None, Field(description="where the robot starts")] = None
     goal_m: Annotated[Place | None, Field(description="where it is to go")] = None
+    laid: Annotated[
+        LaidBlock | None, Field(description="written by `surefoot terrain lay`: how the polygons were turned")
+    ] = None

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
 
 from surefoot.skills.headings import turn_primitives
 from surefoot.skills.making import Checks
-from surefoot.skills.physics import INITIAL_GAITS, REPAIR_GAITS, Limits, PhysicsOfClasses, start_primitives
+from surefoot.skills.physics import INITIAL_GAITS, REPAIR_GAITS, TURN_GAITS, Limits, PhysicsOfClasses, start_primitives
 from surefoot.skills.quadruped_terrain import QuadrupedTerrain
 from surefoot.skills.values import CheckResult, PhysicsCheck, Primitive, Turn
 
@@ -33,6 +33,7 @@ def terrain_checks(terrain: QuadrupedTerrain, executor: Executor, *, time_limit_
         )
 
     trots, every = physics(INITIAL_GAITS), physics((*INITIAL_GAITS, *REPAIR_GAITS))
+    turns = {turn: physics((*gaits, *REPAIR_GAITS)) for turn, gaits in TURN_GAITS.items()}
     robot = json.dumps(asdict(trots.robot), sort_keys=True, default=str)
     made_with = {
         "classes": terrain.classes.name,
@@ -44,17 +45,19 @@ def terrain_checks(terrain: QuadrupedTerrain, executor: Executor, *, time_limit_
         "repair_gaits": list(REPAIR_GAITS),
         "collision": limits.collision,
     }
+    if terrain.yaw:
+        made_with["turn_gaits"] = {turn.value: list(gaits) for turn, gaits in TURN_GAITS.items()}
     repair = _by_need(frozenset(start), physics(REPAIR_GAITS), every)
-    return Checks(repair, made_with, start, _by_kind(trots, every))
+    return Checks(_by_kind(repair, turns), made_with, start, _by_kind(trots, turns))
 
 
-def _by_kind(trots: PhysicsCheck, every: PhysicsCheck) -> PhysicsCheck:
+def _by_kind(moves: PhysicsCheck, turns: Mapping[Turn, PhysicsCheck]) -> PhysicsCheck:
     """Return physics that tries every gait for turns: they are few, and three turns one way are one the other way."""
 
     def check(primitives: Sequence[Primitive]) -> Iterator[CheckResult]:
-        turns = [one for one in primitives if isinstance(one.direction, Turn)]
-        yield from trots([one for one in primitives if one not in turns])
-        yield from every(turns)
+        yield from moves([one for one in primitives if not isinstance(one.direction, Turn)])
+        for turn, physics in turns.items():
+            yield from physics([one for one in primitives if one.direction is turn])
 
     return check
 

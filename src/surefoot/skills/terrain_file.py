@@ -6,6 +6,7 @@ import json
 import math
 import os
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from surefoot.footholds.terrain import Polygon, PolygonError, polygon
 from surefoot.robots.quadruped import quadruped
 from surefoot.skills.classes import ClassSet, class_set, read_classes
 from surefoot.skills.grid import LocalGrid
-from surefoot.skills.quadruped_terrain import Point, QuadrupedTerrain
+from surefoot.skills.quadruped_terrain import Laid, Point, QuadrupedTerrain
 from surefoot.skills.segmented import Scan, is_segmented, read_segmented
 from surefoot.skills.terrain_blocks import TerrainBlock
 from surefoot.skills.values import Direction
@@ -89,6 +90,7 @@ def write_terrain(path: Path, terrain: QuadrupedTerrain) -> None:
         "goal_m": terrain.goal_m,
         "yaw": terrain.yaw or None,
         "directions": terrain.directions if terrain.yaw and len(terrain.directions) < len(Direction) else None,
+        "laid": None if terrain.laid is None else {k: v for k, v in asdict(terrain.laid).items() if v != ""},
     }
     lines = [f"{key}: {json.dumps(_rounded(value))}" for key, value in head.items() if value is not None]
     lines.append("polygons:")
@@ -154,6 +156,8 @@ class _Reading:
             block.name, block.robot or rules.robot, rules, cell_m, block.grid, origin, cells, scan.polygons,
             next(one for one in margins if one is not None), block.requests, block.start_m, block.goal_m, self.path,
             block.yaw, tuple(Direction) if block.directions is None else tuple(map(Direction, block.directions)),
+            None if block.laid is None else Laid(**block.laid.model_dump()),
+            self.path.parent / block.polygons if isinstance(block.polygons, str) else None,
         )  # fmt: skip
         self.check_places(terrain)
         self.stop()

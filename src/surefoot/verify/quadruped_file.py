@@ -1,4 +1,4 @@
-"""Reads runs of a quadruped, and the ground that they walk on, from docs/formats.md 12, 9 and 8; nothing is trusted."""
+"""Reads runs of a quadruped from docs/formats.md 12; nothing is trusted."""
 
 from __future__ import annotations
 
@@ -6,53 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
-from surefoot.documents import read_yaml
 from surefoot.errors import InputError
 from surefoot.verify.artefacts import check_kind, checked_file, parse_json, read_bytes
+from surefoot.verify.quadruped_map import MapFile, read_map
 from surefoot.verify.values import Fields
 
-Array = NDArray[np.float64]
-Cell = tuple[int, int]
 RECORDS = ("header", "request", "segment", "failed", "event", "violation", "detour", "turned", "end")
 _MOST_RECORDS = 100_000
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Patch:
-    """A polygon of the map that a foot may stand on; its vertices, and its friction."""
-
-    vertices_m: Array
-    friction: float
-
-    def miss_m(self, point_m: Array) -> float:
-        """Return by how much a point misses the polygon: off its plane, or beyond one of its sides, seen from above."""
-        centre = self.vertices_m.mean(axis=0)
-        spokes = self.vertices_m - centre
-        normal = np.cross(spokes, np.roll(spokes, -1, axis=0)).sum(axis=0)
-        normal /= np.linalg.norm(normal)
-        off = abs(float(normal @ (point_m - centre)))
-        begin = self.vertices_m[:, :2]
-        along = np.roll(begin, -1, axis=0) - begin
-        to = point_m[:2] - begin
-        turn = np.sign(normal[2]) * (along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0])
-        beyond = float((-turn / np.maximum(np.linalg.norm(along, axis=1), 1e-12)).max())
-        return max(off, beyond)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MapFile:
-    """What a terrain file says that a run has to agree with.
-
-    Attributes:
-        patches: where feet may stand.
-        given: cell size, origin and cells, as far as the file says.
-    """
-
-    patches: tuple[Patch, ...]
-    given: Fields
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +24,7 @@ class QuadrupedRun:
         header: its first record.
         records: the others.
         library: ``library.json`` of the skills; None where there was none.
+        ground: the map.
     """
 
     folder: Path
@@ -88,6 +49,7 @@ def read_quadruped_run(folder: Path) -> QuadrupedRun:
         raise header.wrong("record", "has to be header in the first line")
     check_kind(header, "quadruped-run")
     terrain = checked_file(header.mapping("terrain"), folder)
+    named = {checked_file(one, folder).resolve() for one in header.mappings("files", optional=True)}
     library = None
     if header.get("library") is not None:
         file = checked_file(header.mapping("library"), folder)
@@ -95,7 +57,11 @@ def read_quadruped_run(folder: Path) -> QuadrupedRun:
         check_kind(library, "skill-library")
     for record in lines[1:]:
         record.text("record", among=RECORDS[1:])
-    return QuadrupedRun(folder, header, tuple(lines[1:]), library, read_map(terrain))
+    ground = read_map(terrain, header.text("classes"))
+    missing = [file.name for file in ground.files if file.resolve() not in named]
+    if missing:
+        raise header.wrong("files", f"has to name {missing[0]}, with its hash: {terrain.name} refers to it")
+    return QuadrupedRun(folder, header, tuple(lines[1:]), library, ground)
 
 
 def is_quadruped_run(folder: Path) -> bool:
@@ -113,38 +79,3 @@ def _lines(path: Path) -> Iterator[Fields]:
         if number > _MOST_RECORDS:
             raise InputError(f"has more than {_MOST_RECORDS} records", source=path)
         yield Fields.of(parse_json(line, path, number), path, line=number)
-
-
-def read_map(path: Path) -> MapFile:
-    """Read the polygons of a terrain file: YAML or JSON of section 9, or JSON of section 8.
-
-    Raises:
-        InputError: it cannot be read, or a polygon is none.
-    """
-    value = parse_json(read_bytes(path), path) if path.suffix == ".json" else _listed(read_yaml(path).value)
-    fields = Fields.of(value, path)
-    if fields.text("kind") == "terrain":
-        return MapFile(tuple(_patches(fields)), Fields({}, path))
-    if fields.text("kind") != "quadruped-terrain":
-        raise fields.wrong("kind", "has to be quadruped-terrain or terrain")
-    polygons = fields.get("polygons")
-    if isinstance(polygons, str):
-        named = path.parent / polygons
-        return MapFile(tuple(_patches(Fields.of(parse_json(read_bytes(named), named), named))), fields)
-    return MapFile(tuple(_patches(fields)), fields)
-
-
-def _listed(value: object) -> object:
-    """Return a value of a YAML file with lists where JSON has them."""
-    if isinstance(value, dict):
-        return {key: _listed(inner) for key, inner in value.items()}
-    return [_listed(inner) for inner in value] if isinstance(value, tuple | list) else value
-
-
-def _patches(fields: Fields) -> Iterator[Patch]:
-    for polygon in fields.mappings("polygons"):
-        corners = [Fields({"vertices_m": one}, fields.source, polygon.place) for one in polygon.items("vertices_m")]
-        vertices = np.array([corner.numbers("vertices_m", 3) for corner in corners])
-        if len(vertices) < 3:
-            raise polygon.wrong("vertices_m", "needs at least three vertices")
-        yield Patch(vertices, polygon.number("friction", 0.6))

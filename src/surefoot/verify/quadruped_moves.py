@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from surefoot.compute import sha256_of
+from surefoot.verify.cell_classes import on_map
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds import check_footholds
-from surefoot.verify.quadruped_file import Cell, QuadrupedRun
+from surefoot.verify.quadruped_file import QuadrupedRun
+from surefoot.verify.quadruped_map import Cell
 from surefoot.verify.skill_plans import WAYS
 from surefoot.verify.values import Fields
 
@@ -14,13 +16,6 @@ Pose = tuple[Cell, int]
 OBSTACLE = "obstacle"
 TURNS = {"turn-left": 1, "turn-right": -1}
 """The change of heading in quarter turns, counter-clockwise."""
-
-
-def on_map(cell: Cell, offset: Cell, quarter_turns: int) -> Cell:
-    """Return the cell of the map at an offset (rows, columns) as a robot in a cell with a heading sees it."""
-    row, column = offset
-    turned = ((row, column), (-column, row), (-row, -column), (column, -row))[quarter_turns % 4]
-    return cell[0] + turned[0], cell[1] + turned[1]
 
 
 class Automaton:

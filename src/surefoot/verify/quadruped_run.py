@@ -1,11 +1,11 @@
 """Verifies the run of a quadruped: footholds, plans, moves of the automaton, continuity (docs/formats.md 12).
 
 Written from docs/formats.md and docs/skills.md. It shares nothing with the executive: the plan of every segment goes
-through the checker of foothold plans, every polygon in it is looked for in the terrain file, strategies are followed
-cell by cell, and both timelines are added up again.
+through the checker of foothold plans, every polygon in it is looked for in the terrain file, every class that a request
+names is measured again on the polygons as they then are, strategies are followed cell by cell, and both timelines are
+added up again.
 
-Not checked: which class a cell has, but for obstacles outside of the map, below what appeared, and where there is no
-ground at all; and the gap of the programs, beyond what each plan proves.
+Not checked: the gap of the programs, beyond what each plan proves.
 """
 
 from __future__ import annotations
@@ -20,11 +20,13 @@ import numpy as np
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.robots.quadruped import quadruped
+from surefoot.verify.cell_classes import CellClasses
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds import check_footholds
 from surefoot.verify.footholds_file import BROKEN, FootholdFile, read_foothold_plan
-from surefoot.verify.quadruped_file import Array, Cell, Patch, QuadrupedRun, read_quadruped_run
-from surefoot.verify.quadruped_moves import Automaton, on_map
+from surefoot.verify.quadruped_file import QuadrupedRun, read_quadruped_run
+from surefoot.verify.quadruped_map import Array, Cell, Patch
+from surefoot.verify.quadruped_moves import Automaton, Labels, Pose
 from surefoot.verify.values import Fields, Rectangle
 
 _NEAR_M = 1e-6
@@ -60,8 +62,9 @@ class Replay:
         self.origin = np.array(header.point("origin_m"))
         self.cells: Cell = header.cell("cells")
         self.automaton = Automaton(run, ledger, header.cell("grid"))
+        self.classes = CellClasses(run.ground, header.cell("grid"))
+        self.looked: tuple[Pose, Labels] | None = None
         self.gone: list[Rectangle] = []
-        self.obstacles: list[Rectangle] = []
         self.ended = False
         self.segments = self.turns = 0
         self.walked_s = self.started_s = self.idle_s = 0.0
@@ -92,10 +95,13 @@ class Replay:
         self.ledger.refuse(f"quadruped, {rule}", message, place)
 
     def _check_header(self) -> None:
-        header, given = self.run.header, self.run.ground.given
+        header, ground = self.run.header, self.run.ground
         for key in ("cell_m", "origin_m", "cells", "grid", "robot"):
-            if given.has(key) and given.get(key) is not None and given.get(key) != header.get(key):
+            given = header.get(key)
+            if (tuple(given) if isinstance(given, list) else given) != getattr(ground, key):
                 self._refuse("header", f"{key} is not that of the terrain file", "run.jsonl line 1")
+        if header.text("classes") != ground.rules.name:
+            self._refuse("header", "the classes are not those of the terrain file", "run.jsonl line 1")
         goal = header.mapping("goal")
         if self._cell_of(np.array(goal.point("place_m"))) != goal.cell("cell"):
             self._refuse("header", "the goal's cell is not where its place is", "run.jsonl line 1")
@@ -124,23 +130,23 @@ class Replay:
 
     def _request(self, record: Fields, place: str) -> None:
         labels = self.automaton.request(record, place, self.cell, self.turns)
-        rows, columns = len(labels), len(labels[0])
-        for row in range(rows):
-            for column in range(columns):
-                cell = on_map(self.cell, (row - rows // 2, column - columns // 2), self.turns)
-                if labels[row][column] != "obstacle" and self._blocked(cell):
-                    self._refuse("labels", f"{labels[row][column]} where nobody can stand, in cell {cell}", place)
+        self.looked = (self.cell, self.turns), labels
+        self._check_labels("labels", place)
+        row, column = request = record.cell("request")
+        if not (0 <= row < len(labels) and 0 <= column < len(labels[0])) or labels[row][column] == "obstacle":
+            self._refuse("request", f"asks for {request}, an obstacle or outside of the grid", place)
 
-    def _blocked(self, cell: Cell) -> bool:
-        """Return whether a cell is outside of the map, or something has appeared on it."""
-        if not (0 <= cell[0] < self.cells[0] and 0 <= cell[1] < self.cells[1]):
-            return True
-        low = self.origin + (np.array(self.cells) - np.array(cell) - 1) * self.cell_m
-        high = low + self.cell_m
-        return any(
-            w < high[0] - 1e-9 and low[0] < e - 1e-9 and s < high[1] - 1e-9 and low[1] < n - 1e-9
-            for w, s, e, n in self.obstacles
-        )
+    def _check_labels(self, rule: str, place: str) -> None:
+        """Check that the classes of the request in force are those of the ground as it is now."""
+        assert self.looked is not None
+        (cell, turns), labels = self.looked
+        for row, seen in enumerate(self.classes.labels(cell, turns)):
+            for column, allowed in enumerate(seen):
+                if labels[row][column] not in allowed:
+                    found, local = " or ".join(sorted(allowed)), (row, column)
+                    self._refuse(
+                        rule, f"{labels[row][column]} in {local} of the grid, where {found} is measured", place
+                    )
 
     def _event(self, record: Fields, place: str) -> None:
         event = record.mapping("event")
@@ -150,7 +156,9 @@ class Replay:
                              for corner in event.items(name))  # fmt: skip
                 self.gone.append((*low, *high))
                 if name == "obstacle_m":
-                    self.obstacles.append((*low, *high))
+                    self.classes.stands((*low, *high))
+                else:
+                    self.classes.gone((*low, *high))
         if record.get("stands") is not None:
             stands = record.mapping("stands")
             if stands.cell("cell") != self.cell:
@@ -175,8 +183,10 @@ class Replay:
         if here != self.cell:
             self._refuse("continuity", f"begins in {here}, but the robot is in {self.cell}", place)
         self.turns = self.automaton.move(record, place, here, there, self.turns)
+        if record.get("primitive") is not None and self.looked is not None:
+            self._check_labels("assumption", place)
         for cell in (here, there):
-            if self._blocked(cell):
+            if self.classes.blocked(cell):
                 self._refuse("obstacle", f"cell {cell} holds an obstacle, or is outside of the map", place)
         plan = self._plan(record, place)
         if plan is not None:

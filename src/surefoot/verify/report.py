@@ -9,7 +9,7 @@ from surefoot.verify.findings import Ledger, Report
 
 VERIFIABLE = (
     "the folder of a plan (plan.json), of a run (run.jsonl) or of a skill library (library.json), or a file of a "
-    "strategy, a region of a step, a terrain or a foothold plan (.json)"
+    "strategy, a region of a step, a terrain (also one that was laid, .yaml) or a foothold plan (.json)"
 )
 
 
@@ -54,6 +54,11 @@ def verify_path(path: Path | str, specification: Path | None = None) -> Report:
 
         check_library(library, ledger)
         return ledger.report("skill-library")
+    if _is_quadruped_terrain(path):
+        from surefoot.verify.laid_terrain import check_laid_terrain
+
+        check_laid_terrain(path, ledger)
+        return ledger.report("quadruped-terrain")
     if _kind(path) == "terrain":
         from surefoot.verify.terrain_polygons import check_terrain
 
@@ -99,6 +104,14 @@ def _kind(path: Path) -> str | None:
     value = parse_json(read_bytes(path), path)
     kind = value.get("kind") if isinstance(value, dict) else None
     return kind if isinstance(kind, str) else None
+
+
+def _is_quadruped_terrain(path: Path) -> bool:
+    """Return whether a file seems to be the terrain of a quadruped, in YAML."""
+    if path.suffix not in (".yaml", ".yml") or not path.is_file():
+        return False
+    with path.open("rb") as stream:
+        return b"quadruped-terrain" in stream.read(4000)
 
 
 def _foothold_plan(path: Path) -> Path | None:

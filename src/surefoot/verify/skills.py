@@ -2,7 +2,8 @@
 
 Written from formats.md, section "Library of skills". It shares nothing with the synthesis: a strategy is followed cell
 by cell on the grid, the plan of every skill goes through the checker of foothold plans, and where no strategy is said
-to exist, a search over all moves that physics did not refuse must not reach the request.
+to exist, a search over all moves that physics did not refuse must not reach the request. Where the terrain file is at
+hand, the classes of its cells are measured again.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 from surefoot.compute import sha256_of
 from surefoot.verify.artefacts import check_kind, parse_json, read_bytes
 from surefoot.verify.findings import Ledger
+from surefoot.verify.library_states import check_states
 from surefoot.verify.skill_moves import (
     FACING,
     OBSTACLE,
@@ -44,11 +46,13 @@ def check_library(path: Path, ledger: Ledger) -> None:
     """
     fields = Fields.of(parse_json(read_bytes(path), path), path)
     check_kind(fields, "skill-library")
-    _check_terrain_file(fields.mapping("terrain"), path.parent)
+    terrain = _terrain_file(fields.mapping("terrain"), path.parent)
     classes = tuple(_text(name, fields, "classes") for name in fields.items("classes"))
     headings = Headings.of(fields, classes)
     verdicts = _check_physics(fields, classes, headings, ledger)
     states = [_labels(value, fields, classes) for value in fields.items("states")]
+    if terrain is not None:
+        check_states(terrain, fields, states, headings, ledger)
     pairs = [_Pair.of(pair, states, headings) for pair in fields.mappings("pairs")]
     _check_complete(pairs, states, fields.mapping("terrain"), ledger)
     for pair in pairs:
@@ -59,13 +63,14 @@ def check_library(path: Path, ledger: Ledger) -> None:
     ledger.counts.update(terrain_states=len(states), pairs=len(pairs), checks=len(verdicts))
 
 
-def _check_terrain_file(terrain: Fields, folder: Path) -> None:
-    """Refuse a terrain file that has changed; one that is not there says nothing."""
-    if not terrain.has("path"):
-        return
-    file = folder / terrain.text("path")
-    if file.is_file() and sha256_of(file) != terrain.text("sha256"):
+def _terrain_file(terrain: Fields, folder: Path) -> Path | None:
+    """Return the terrain file, or None if it is not there; refuse one that has changed."""
+    file = folder / terrain.text("path") if terrain.has("path") else None
+    if file is None or not file.is_file():
+        return None
+    if sha256_of(file) != terrain.text("sha256"):
         raise terrain.wrong("sha256", f"does not fit {file.name}: the library was made from another version of it")
+    return file
 
 
 def _check_physics(

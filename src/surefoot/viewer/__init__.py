@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -48,8 +49,10 @@ def view_step(run_dir: Path, step: int, out: Path | None = None) -> tuple[Path, 
         step: number of the step, counted from 0.
         out: the folder for the picture; None means the run's folder.
     """
+    from surefoot.viewer import kinds
     from surefoot.viewer.pushed_steps import draw_step
 
+    kinds.demand(run_dir, "--step")
     return draw_step(run_dir, step, run_dir if out is None else out)
 
 
@@ -73,8 +76,10 @@ def view_answers(plan_dir: Path, asked: Asked, out: Path | None = None) -> tuple
         asked: the robot state.
         out: the folder for the picture; None means the current folder.
     """
+    from surefoot.viewer import kinds
     from surefoot.viewer.answers import draw_answers
 
+    kinds.demand(plan_dir, "--cell")
     return draw_answers(plan_dir, asked, Path() if out is None else out)
 
 
@@ -90,31 +95,41 @@ def view_scenario(scenario: Path, out: Path | None = None) -> tuple[Path, ...]:
     return draw_scenario(scenario, scenario.parent if out is None else out)
 
 
-def view_page(path: Path, out: Path) -> Path:
+def view_page(path: Path, out: Path, body: str | None = None, say: Callable[[str], None] | None = None) -> Path:
     """Write a run, a foothold plan or a strategy as one page that opens from a file, without a network.
 
     Args:
         path: the folder of the run or of the plan, or the file of the foothold plan.
         out: the HTML file.
+        body: ``simple`` or ``meshes``; None takes the robot's own meshes if they are installed.
+        say: is told what is drawn otherwise than it was planned.
 
     Returns:
         The HTML file.
 
     Raises:
         InputError: if it cannot be read, or holds nothing that moves.
-        BackendMissing: if viser is not installed.
+        BackendMissing: if viser is not installed, or meshes are asked for and are not.
     """
-    from surefoot.viewer.replay import write_motion
+    from surefoot.viewer import kinds
+    from surefoot.viewer.bodies import Body
+    from surefoot.viewer.gr1_page import write_gr1_page
+    from surefoot.viewer.replay import silent, write_motion
 
-    return write_motion(path, out)
+    if kinds.demand(path, "--html") is kinds.STRATEGY:
+        if body is not None:
+            raise InputError("--body belongs to runs and foothold plans; a strategy is shown without a robot")
+        return write_gr1_page(path, out)
+    return write_motion(path, out, None if body is None else Body(body), say or silent)
 
 
-def view_bag(path: Path, out: Path) -> Path:
+def view_bag(path: Path, out: Path, say: Callable[[str], None] | None = None) -> Path:
     """Write a run or a foothold plan as an MCAP file of ROS 2 messages.
 
     Args:
         path: the folder of the run, or the file of the foothold plan.
         out: the MCAP file.
+        say: is told what is recorded otherwise than it was planned.
 
     Returns:
         The MCAP file.
@@ -123,41 +138,43 @@ def view_bag(path: Path, out: Path) -> Path:
         InputError: if it cannot be read, or holds nothing that moves.
         BackendMissing: if the packages that write it are not installed.
     """
-    from surefoot.viewer.quadruped_run import is_quadruped_run
+    from surefoot.viewer import kinds
 
-    if (path.is_file() and path.suffix.lower() == ".json") or is_quadruped_run(path):
+    if kinds.demand(path, "--mcap") in (kinds.FOOTHOLDS, kinds.QUADRUPED_RUN):
         from surefoot.viewer.foothold_bag import write_foothold_bag
+        from surefoot.viewer.replay import silent
 
-        return write_foothold_bag(path, out)
+        return write_foothold_bag(path, out, say or silent)
     from surefoot.viewer.run_bag import write_run_bag
 
     return write_run_bag(path, out)
 
 
 def view_folder(path: Path, out: Path | None = None) -> tuple[Path, ...]:
-    """Draw whatever stands at a path: a run, a plan, a scenario, a foothold plan, the regions of a step, a library.
+    """Draw whatever stands at a path: a run, a plan, a scenario, ground, footholds, the regions of a step, a library.
 
     Args:
         path: the folder or the file.
         out: the folder for the pictures; None means beside what is drawn.
+
+    Raises:
+        InputError: if it cannot be read, or has no pictures.
     """
-    if path.is_dir() and (path / "run.jsonl").is_file():
-        return view_run(path, out)
-    if path.is_dir() and (path / "plan.json").is_file():
-        return view_plan(path, out)
-    if path.is_dir() and (path / "library.json").is_file():
-        from surefoot.viewer.single import draw_library
+    from surefoot.viewer import kinds, single
 
-        return draw_library(path, path if out is None else out)
-    if path.is_file() and path.suffix.lower() == ".json":
-        from surefoot.viewer.single import draw_json
-
-        return draw_json(path, path.parent if out is None else out)
-    if path.is_file() and path.suffix.lower() in {".yaml", ".yml"}:
-        return view_scenario(path, out)
-    what = "is none of these" if path.exists() else "does not exist; allowed are"
-    raise InputError(
-        f"{what}: the folder of a run (run.jsonl), of a plan (plan.json) or of skills (library.json), "
-        "a scenario (.yaml), a foothold plan or regions (.json)",
-        source=path,
-    )
+    kind = kinds.demand(path, "")
+    beside = (path if path.is_dir() else path.parent) if out is None else out
+    if kind in (kinds.BIPED_RUN, kinds.QUADRUPED_RUN):
+        return view_run(path, beside)
+    if kind is kinds.PLAN:
+        return view_plan(path, beside)
+    if kind is kinds.SCENARIO:
+        return view_scenario(path, beside)
+    draw = {
+        kinds.LIBRARY: single.draw_library,
+        kinds.FOOTHOLDS: single.draw_footholds,
+        kinds.REGIONS: single.draw_regions,
+        kinds.QUADRUPED_TERRAIN: single.draw_ground,
+        kinds.TERRAIN: single.draw_ground,
+    }[kind]
+    return draw(path, beside)

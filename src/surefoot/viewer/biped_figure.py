@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,16 +10,15 @@ from numpy.typing import NDArray
 
 from surefoot.missions.run_log import Step
 from surefoot.viewer import style
-from surefoot.viewer.body import TRUNK_M, biped_parts, weight_pose
+from surefoot.viewer.biped_body import BipedBody, SimpleBiped
+from surefoot.viewer.body import weight_pose
 from surefoot.viewer.page import colour
 from surefoot.viewer.timeline import Timeline
 
 FRICTION = 0.6
 """The slope of the cone that is drawn; a biped's plan assumes that its feet do not slip."""
 
-_LEG_M, _FOOT_M = 0.035, (0.22, 0.09, 0.03)
 _HUES = {"left": style.LEFT, "right": style.RIGHT}
-_LINKS = tuple(f"{side}/{link}" for side in _HUES for link in ("thigh", "shank"))
 _FORCE_M, _CONE_M = 0.6, 0.25
 
 
@@ -30,28 +29,31 @@ class BipedFigure:
         scene: of a viser server.
         times: the run, sampled.
         steps: of the run.
+        body: draws the body; None draws the simple one.
     """
 
-    def __init__(self, scene: Any, times: Timeline, steps: Sequence[Step]) -> None:
+    def __init__(
+        self,
+        scene: Any,
+        times: Timeline,
+        steps: Sequence[Step],
+        body: Callable[[Any, Timeline], BipedBody] | None = None,
+    ) -> None:
         self.scene, self.foot = scene, (0.0, 0.0, 0.0)
-        self.parts: dict[str, Any] = {"trunk": scene.add_box("/robot/trunk", colour("#3b3f46"), TRUNK_M)}
-        for name in _LINKS:
-            hue = _HUES[name.split("/")[0]]
-            self.parts[name] = scene.add_cylinder(f"/robot/{name}", _LEG_M, 1.0, colour(hue))
-        for side, hue in _HUES.items():
-            self.parts[f"{side}/foot"] = scene.add_box(f"/robot/{side}/foot", colour(hue), _FOOT_M)
-        self.parts["force"] = scene.add_cylinder("/contact/force", 0.015, _FORCE_M, colour(style.GREEN))
+        self.body = (body or SimpleBiped)(scene, times)
+        self.force = scene.add_cylinder("/contact/force", 0.015, _FORCE_M, colour(style.GREEN))
         vertices, faces = friction_cone(FRICTION, _CONE_M)
         self.cone = scene.add_mesh_simple("/contact/cone", vertices, faces, color=colour(style.GREEN), opacity=0.25)
-        self.grow(times, steps)
+        self._take(times, steps)
 
     def grow(self, times: Timeline, steps: Sequence[Step]) -> None:
         """Take over a longer log of the same run."""
-        parts, link_m = biped_parts(times.com_m, times.yaw_rad, times.left_foot_m, times.right_foot_m)
+        self.body.grow(times)
+        self._take(times, steps)
+
+    def _take(self, times: Timeline, steps: Sequence[Step]) -> None:
         self.stance_m = _stances(times, steps)
-        self.poses = {**parts, "force": weight_pose(self.stance_m, times.com_m, _FORCE_M)}
-        for name in _LINKS:
-            self.parts[name].height = link_m
+        self.weight = weight_pose(self.stance_m, times.com_m, _FORCE_M)
         for side, hue in _HUES.items():
             points = [step.next_foot_m for step in steps if step.stance != side]
             if points:
@@ -61,9 +63,8 @@ class BipedFigure:
 
     def show(self, frame: int) -> None:
         """Show a moment."""
-        for name, part in self.poses.items():
-            node = self.parts[name]
-            node.position, node.wxyz = part.position_m[frame], part.wxyz[frame]
+        self.body.show(frame)
+        self.force.position, self.force.wxyz = self.weight.position_m[frame], self.weight.wxyz[frame]
         place = tuple(self.stance_m[frame])
         if place != self.foot:
             self.cone.position = self.foot = place

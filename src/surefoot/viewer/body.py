@@ -22,13 +22,22 @@ class Pose:
     wxyz: Array
 
 
-def biped_parts(com_m: Array, yaw_rad: Array, left_m: Array, right_m: Array) -> tuple[dict[str, Pose], float]:
+@dataclass(frozen=True, slots=True, eq=False)
+class Headings:
+    """Of trunk and feet of a biped, angles from the x axis of the map, continuous, shape (n,) each."""
+
+    trunk_rad: Array
+    left_rad: Array
+    right_rad: Array
+
+
+def biped_parts(com_m: Array, headings: Headings, left_m: Array, right_m: Array) -> tuple[dict[str, Pose], float]:
     """Return the poses of trunk, feet and links, and the length of a link.
 
     Links are as long as the farthest foot needs; the knee bends ahead. Cylinders lie along their own z axis.
     """
-    upright = _about_z(yaw_rad)
-    parts = {"trunk": Pose(com_m + np.array([0.0, 0.0, 0.5 * TRUNK_M[2] - _HIP_BELOW_M]), upright)}
+    yaw_rad = headings.trunk_rad
+    parts = {"trunk": Pose(com_m + np.array([0.0, 0.0, 0.5 * TRUNK_M[2] - _HIP_BELOW_M]), about_z(yaw_rad))}
     legs = {"left": (left_m, 1.0), "right": (right_m, -1.0)}
     ends = {name: _leg_ends(com_m, yaw_rad, foot_m, side) for name, (foot_m, side) in legs.items()}
     link_m = 0.505 * max(float(np.linalg.norm(hip - ankle, axis=1).max()) for hip, ankle in ends.values())
@@ -37,7 +46,7 @@ def biped_parts(com_m: Array, yaw_rad: Array, left_m: Array, right_m: Array) -> 
         knee = knee_m(hip, ankle, ahead, link_m)
         parts[f"{name}/thigh"] = between(hip, knee)
         parts[f"{name}/shank"] = between(knee, ankle)
-        parts[f"{name}/foot"] = Pose(legs[name][0], upright)
+        parts[f"{name}/foot"] = Pose(legs[name][0], about_z(getattr(headings, f"{name}_rad")))
     return parts, link_m
 
 
@@ -69,7 +78,8 @@ def between(begin: Array, end: Array) -> Pose:
     return Pose((begin + end) / 2, wxyz / np.linalg.norm(wxyz, axis=1, keepdims=True))
 
 
-def _about_z(yaw_rad: Array) -> Array:
+def about_z(yaw_rad: Array) -> Array:
+    """Return quaternions wxyz of turns about the z axis, shape (n, 4)."""
     half = yaw_rad / 2
     return np.stack([np.cos(half), np.zeros(len(half)), np.zeros(len(half)), np.sin(half)], axis=1)
 
@@ -83,7 +93,7 @@ def quadruped_parts(base_m: Array, rpy_rad: Array, feet_m: Array, hips_m: Array)
         feet_m: shape (n, 4, 3).
         hips_m: the upper ends of the legs in the frame of the base, shape (4, 3).
     """
-    wxyz, axes = quaternions(rpy_rad), _rotations(rpy_rad)
+    wxyz, axes = quaternions(rpy_rad), rotations(rpy_rad)
     hips = base_m[:, None] + np.einsum("nij,kj->nki", axes, hips_m)
     link_m = 0.505 * float(np.linalg.norm(hips - feet_m, axis=2).max())
     parts = {"trunk": Pose(base_m, wxyz)}
@@ -95,7 +105,7 @@ def quadruped_parts(base_m: Array, rpy_rad: Array, feet_m: Array, hips_m: Array)
     return parts, link_m
 
 
-def _rotations(rpy_rad: Array) -> Array:
+def rotations(rpy_rad: Array) -> Array:
     """Return rotation matrices Rz(yaw) Ry(pitch) Rx(roll), shape (n, 3, 3)."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(rpy_rad).T, np.sin(rpy_rad).T
     rows = [
@@ -107,7 +117,7 @@ def _rotations(rpy_rad: Array) -> Array:
 
 
 def quaternions(rpy_rad: Array) -> Array:
-    """Return quaternions wxyz of roll, pitch and yaw, as ``_rotations``, shape (n, 4)."""
+    """Return quaternions wxyz of roll, pitch and yaw, as ``rotations``, shape (n, 4)."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(rpy_rad / 2).T, np.sin(rpy_rad / 2).T
     return np.stack(
         [

@@ -5,36 +5,44 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from surefoot.robots.legs import JOINTS
 from surefoot.viewer import style
 from surefoot.viewer.body import quaternions
 from surefoot.viewer.foothold_motion import FootholdMotion, read_motion
-from surefoot.viewer.foothold_scene import FEET
+from surefoot.viewer.quadruped_figure import FEET
 from surefoot.viewer.footholds import FOOT_COLOURS
+from surefoot.viewer.reach_words import out_of_reach
+from surefoot.viewer.replay import Say, silent
 from surefoot.viewer.ros_messages import (
     ARROW,
     LINE_STRIP,
     MARKERS,
     Message,
     Recording,
+    header,
     marker,
     path_message,
     recording,
     transforms,
 )
 
+Array = NDArray[np.float64]
+
 _M_PER_N = 1 / 300.0
 _ARROW_M = (0.012, 0.03, 0.05)
 
 
-def write_foothold_bag(source: Path, path: Path) -> Path:
+def write_foothold_bag(source: Path, path: Path, say: Say = silent) -> Path:
     """Write a quadruped's motion as an MCAP file, with the times of its samples.
 
-    Topics: ``/terrain``, ``/path`` (base), ``/forces``, ``/tf`` (base and feet).
+    Topics: ``/terrain``, ``/path`` (base), ``/forces``, ``/tf`` (base and feet), ``/joint_states``.
 
     Args:
         source: a plan file with a motion, or the folder of a run.
         path: of the MCAP file.
+        say: is told when joints cannot bring the feet where they were planned.
 
     Raises:
         InputError: there is no motion.
@@ -46,7 +54,19 @@ def write_foothold_bag(source: Path, path: Path) -> Path:
         bag.add("/terrain", MARKERS, begin_s, {"markers": _terrain(motion, begin_s)})
         bag.add("/path", "nav_msgs/msg/Path", begin_s, path_message(motion.time_s, motion.base_m))
         _add_samples(bag, motion)
+        away_m = _add_joints(bag, motion)
+    for remark in out_of_reach(away_m):
+        say(remark)
     return path
+
+
+def _add_joints(bag: Recording, motion: FootholdMotion) -> Array:
+    """Write the angles of the joints; return how far every foot is from where they put it."""
+    angles, away_m = motion.joints_rad()
+    for time_s, positions in zip(motion.time_s.tolist(), angles.reshape(len(angles), -1).tolist(), strict=True):
+        state = {"header": {**header(time_s), "frame_id": ""}, "name": list(JOINTS), "position": positions}
+        bag.add("/joint_states", "sensor_msgs/msg/JointState", time_s, {**state, "velocity": [], "effort": []})
+    return away_m
 
 
 def _terrain(motion: FootholdMotion, time_s: float) -> list[Message]:

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
+from surefoot.robots.legs import Legs, legs_of
+from surefoot.viewer.body import rotations
 from surefoot.viewer.footholds import read_foothold_plan
 
 Array = NDArray[np.float64]
@@ -33,6 +35,8 @@ class FootholdMotion:
         footholds_m: of every foot, where it stands one after the other.
         goal_m: of the base.
         hips_m: the upper ends of the legs in the frame of the base, shape (4, 3).
+        robot: its name.
+        legs: its joints.
         words: what is said at every sample, beside the loads.
     """
 
@@ -46,7 +50,18 @@ class FootholdMotion:
     footholds_m: tuple[Array, ...]
     goal_m: tuple[float, float, float]
     hips_m: Array
+    robot: str
+    legs: Legs
     words: tuple[str, ...]
+
+    def joints_rad(self, legs: Legs | None = None) -> tuple[Array, Array]:
+        """Return the angles of the joints, shape (n, 4, 3), and how far [m] each foot is out of reach, shape (n, 4).
+
+        Args:
+            legs: that should stand where the feet do; None takes the robot's own.
+        """
+        axes = rotations(self.rpy_rad)
+        return (legs or self.legs).joints_rad(np.einsum("nji,nkj->nki", axes, self.feet_m - self.base_m[:, None]))
 
 
 def read_motion(path: Path) -> FootholdMotion:
@@ -71,7 +86,8 @@ def motion_of(document: Mapping[str, Any], begin_s: float = 0.0, word: str = "")
     values, motion = document["values"], document["motion"]
     names = ("base_m", "rpy_rad", "feet_m", "forces_n")
     base_m, rpy_rad, feet_m, forces_n = (np.array(motion[name], np.float64) for name in names)
-    ahead_m, aside_m, _ = values["robot"]["foot_reference_m"]
+    robot = values["robot"]
+    ahead_m, aside_m, below_m = robot["foot_reference_m"]
     return FootholdMotion(
         time_s=begin_s + float(values["step_s"]) * np.arange(len(base_m), dtype=np.float64),
         base_m=base_m,
@@ -83,6 +99,8 @@ def motion_of(document: Mapping[str, Any], begin_s: float = 0.0, word: str = "")
         footholds_m=tuple(feet_m[_touches(motion["footsteps"], foot, len(feet_m)), foot] for foot in range(4)),
         goal_m=tuple(values["goal"]["position_m"]),
         hips_m=np.array([(x * ahead_m, y * aside_m, 0.0) for x in (1, -1) for y in (1, -1)]),
+        robot=str(robot["name"]),
+        legs=legs_of(robot["name"], (ahead_m, aside_m, below_m), robot["hip_offset_m"], robot["link_m"]),
         words=(word,) * len(base_m),
     )
 
@@ -102,6 +120,8 @@ def joined(motions: Sequence[FootholdMotion]) -> FootholdMotion:
         footholds_m=tuple(np.concatenate([one.footholds_m[foot] for one in motions]) for foot in range(4)),
         goal_m=motions[-1].goal_m,
         hips_m=motions[0].hips_m,
+        robot=motions[0].robot,
+        legs=motions[0].legs,
         words=tuple(word for one in motions for word in one.words),
     )
 
@@ -111,33 +131,90 @@ def _touches(footsteps: Sequence[Mapping[str, Any]], foot: int, samples: int) ->
     return [0, *(int(one["touch"]) for one in footsteps if one["foot"] == foot and int(one["touch"]) < samples)]
 
 
-def _run_motion(log: Path) -> FootholdMotion:
-    """Return the segments of a quadruped's run, one after the other."""
-    motions, happened = [], ""
-    for line, record in _records(log):
-        if line == 1 and (record.get("kind") != "quadruped-run" or record.get("format") != 1):
-            raise InputError("is no log of a quadruped's run of format 1", source=log, line=1, key="kind")
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """What the log of a quadruped's run says of a segment.
+
+    Attributes:
+        plan: the file of its motion.
+        sha256: of that file.
+        start_s: the moment of its first sample.
+        word: what is said while it is walked.
+        line: of its record.
+    """
+
+    plan: Path
+    sha256: str
+    start_s: float
+    word: str
+    line: int
+
+
+def read_segments(log: Path, *, growing: bool = False) -> tuple[Segment, ...]:
+    """Return the segments that a quadruped's log holds by now; there may be none yet.
+
+    Args:
+        log: the file.
+        growing: whether a last line without its end is passed over, because it is still being written.
+
+    Raises:
+        InputError: it is no log of a quadruped's run.
+    """
+    found, happened = [], ""
+    for line, record in records_of(log, growing=growing):
         if record.get("record") == "event":
             happened = ", ".join(f"{name} {value}" for name, value in record["event"].items() if name.endswith("_m"))
-        if record.get("record") != "segment":
-            continue
-        plan = log.parent / str(record["plan"]["path"])
-        if not plan.is_file() or sha256_of(plan) != record["plan"]["sha256"]:
-            raise InputError(f"the plan {plan.name} is missing or was changed", source=log, line=line)
+        if record.get("record") == "segment":
+            found.append(_segment(log, line, record, happened))
+            happened = ""
+    return tuple(found)
+
+
+def _segment(log: Path, line: int, record: Mapping[str, Any], happened: str) -> Segment:
+    try:
         what = f"segment {record['number']}: {record['primitive'] or 'in place'}"
         word = what if not happened else f"{what} (before it: {happened})"
-        motions.append(motion_of(read_foothold_plan(plan), float(record["start_s"]), word))
-        happened = ""
-    if not motions:
+        plan = record["plan"]
+        return Segment(log.parent / str(plan["path"]), str(plan["sha256"]), float(record["start_s"]), word, line)
+    except (KeyError, TypeError, ValueError) as problem:
+        raise InputError(f"lacks {problem}, or holds another type there", source=log, line=line) from problem
+
+
+def segment_motion(log: Path, segment: Segment) -> FootholdMotion:
+    """Return the motion of a segment of a log.
+
+    Raises:
+        InputError: its plan is missing or was changed.
+    """
+    if not segment.plan.is_file() or sha256_of(segment.plan) != segment.sha256:
+        raise InputError(f"the plan {segment.plan.name} is missing or was changed", source=log, line=segment.line)
+    return motion_of(read_foothold_plan(segment.plan), segment.start_s, segment.word)
+
+
+def _run_motion(log: Path) -> FootholdMotion:
+    """Return the segments of a quadruped's run, one after the other."""
+    segments = read_segments(log)
+    if not segments:
         raise InputError("holds no segment, so there is nothing to replay", source=log)
-    return joined(motions)
+    return joined([segment_motion(log, one) for one in segments])
 
 
-def _records(log: Path) -> list[tuple[int, dict[str, Any]]]:
+def records_of(log: Path, *, growing: bool = False) -> list[tuple[int, dict[str, Any]]]:
+    """Return the records of a log with their lines.
+
+    Args:
+        log: the file.
+        growing: whether a last line without its end is passed over, because it is still being written.
+
+    Raises:
+        InputError: it is no log of a quadruped's run, or was cut off.
+    """
     if log.stat().st_size > _LARGEST_LOG_BYTES:
         raise InputError(f"is larger than the {_LARGEST_LOG_BYTES} bytes that are allowed", source=log)
     found = []
-    for line, text in enumerate(log.read_bytes().splitlines(), 1):
+    for line, text in enumerate(log.read_bytes().splitlines(keepends=True), 1):
+        if growing and not text.endswith(b"\n"):
+            break
         try:
             record = json.loads(text)
         except (ValueError, RecursionError) as problem:
@@ -145,5 +222,7 @@ def _records(log: Path) -> list[tuple[int, dict[str, Any]]]:
             raise InputError(message, source=log, line=line) from problem
         if not isinstance(record, dict):
             raise InputError("a record has to be a mapping", source=log, line=line)
+        if line == 1 and (record.get("kind") != "quadruped-run" or record.get("format") != 1):
+            raise InputError("is no log of a quadruped's run of format 1", source=log, line=1, key="kind")
         found.append((line, record))
     return found

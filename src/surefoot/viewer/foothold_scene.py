@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,19 +10,21 @@ from numpy.typing import NDArray
 
 from surefoot.viewer import style
 from surefoot.viewer.biped_figure import friction_cone
-from surefoot.viewer.body import between, quadruped_parts
+from surefoot.viewer.body import between
 from surefoot.viewer.foothold_motion import FootholdMotion
 from surefoot.viewer.footholds import FOOT_COLOURS, FOOT_LABELS
+from surefoot.viewer.ground_scene import GroundScene
 from surefoot.viewer.page import Cameras, add_solid, colour
-from surefoot.viewer.solids import Solid
+from surefoot.viewer.quadruped_figure import FEET, FOOT_M, QuadrupedFigure, SimpleQuadruped
+from surefoot.viewer.run_ground import RunGround
+from surefoot.viewer.scenery import light
+from surefoot.viewer.solids import slab
 
 Array = NDArray[np.float64]
 
-FEET = ("front_left", "front_right", "hind_left", "hind_right")
-_TRUNK_HEIGHT_M, _LINK_M, _FOOT_M = 0.11, 0.014, 0.022
 _FORCE_M_PER_N, _CONE_M = 1 / 300.0, 0.08
 _LOADED_N = 1e-6
-_SLAB_M = 0.04
+_SLAB_M, _LABEL_M = 0.04, 0.24
 
 
 class FootholdScene:
@@ -31,18 +33,28 @@ class FootholdScene:
     Args:
         scene: of a viser server.
         motion: of a foothold plan, or of a run.
+        figure: draws the robot; None draws the simple body.
+        ground: of the whole run; None draws the polygons that the motion knows.
     """
 
-    def __init__(self, scene: Any, motion: FootholdMotion) -> None:
+    def __init__(
+        self,
+        scene: Any,
+        motion: FootholdMotion,
+        figure: Callable[[Any, FootholdMotion], QuadrupedFigure] | None = None,
+        ground: RunGround | None = None,
+    ) -> None:
         self.scene, self.motion = scene, motion
-        scene.set_up_direction("+z")
-        scene.configure_default_lights(cast_shadow=False)
-        for number, vertices_m in enumerate(motion.polygons_m):
-            add_solid(scene, f"/terrain/{number}", _slab(vertices_m), "#d8d4ca", cast_shadow=False)
-        scene.add_icosphere("/goal", 0.03, colour(style.GOAL), position=motion.goal_m, opacity=0.7)
-        scene.add_label("/goal/name", "goal", position=(0.0, 0.0, 0.05))
+        self.polygons, self.marked, self.text = 0, [0] * len(FEET), ""
+        light(scene)
+        self.ground = None if ground is None else GroundScene(scene, ground)
+        if self.ground is None:
+            self._add_ground()
+            scene.add_icosphere("/goal", 0.03, colour(style.GOAL), position=motion.goal_m, opacity=0.7)
+            scene.add_label("/goal/name", "goal", position=(0.0, 0.0, 0.05))
         self._add_footholds()
-        self._add_robot()
+        self.figure = (figure or SimpleQuadruped)(scene, motion)
+        self.label = scene.add_label("/skill", "", anchor="bottom-center")
         self._add_contacts()
 
     @property
@@ -50,20 +62,36 @@ class FootholdScene:
         """Return the moments of the samples."""
         return self.motion.time_s
 
+    def grow(self, motion: FootholdMotion) -> None:
+        """Take over a longer motion of the same run: what is drawn stays, and what is new is added."""
+        self.motion = motion
+        if self.ground is None:
+            self._add_ground()
+        self._add_footholds()
+        self.figure.grow(motion)
+
     def show(self, frame: int) -> None:
         """Show a sample."""
-        for name, part in self.poses.items():
-            self.parts[name].position, self.parts[name].wxyz = part.position_m[frame], part.wxyz[frame]
+        self.figure.show(frame)
+        if self.ground is not None:
+            self.ground.show(float(self.time_s[frame]))
+        self.label.position = self.motion.base_m[frame] + np.array([0.0, 0.0, _LABEL_M])
+        if self.motion.words[frame] != self.text:
+            self.label.text = self.text = self.motion.words[frame]
         for foot in range(4):
-            force_n = float(np.linalg.norm(self.motion.forces_n[frame, foot]))
-            loaded = force_n > _LOADED_N
-            arrow, cone = self.arrows[foot], self.cones[foot]
+            self._show_contact(frame, foot)
+
+    def _show_contact(self, frame: int, foot: int) -> None:
+        """Show the force of a foot that carries the robot, and its cone."""
+        force_n, place = self.motion.forces_n[frame, foot], self.motion.feet_m[frame, foot]
+        loaded = float(np.linalg.norm(force_n)) > _LOADED_N
+        arrow, cone = self.arrows[foot], self.cones[foot]
+        if arrow.visible != loaded:
             arrow.visible = cone.visible = loaded
-            if loaded:
-                along = between(np.zeros((1, 3)), self.motion.forces_n[frame, foot][None])
-                arrow.position, arrow.wxyz = self.motion.feet_m[frame, foot], along.wxyz[0]
-                arrow.scale = max(force_n * _FORCE_M_PER_N, 1e-3)
-                self._set_cone(cone, self.motion.feet_m[frame, foot])
+        if loaded:
+            arrow.position, arrow.wxyz = place, between(np.zeros((1, 3)), force_n[None]).wxyz[0]
+            arrow.scale = max(float(np.linalg.norm(force_n)) * _FORCE_M_PER_N, 1e-3)
+            self._set_cone(cone, place)
 
     def caption(self, frame: int) -> str:
         """Say which feet carry the robot, and with how much."""
@@ -72,7 +100,9 @@ class FootholdScene:
             f"{label} {load_n:.0f} N" for label, load_n in zip(FOOT_LABELS, loads_n, strict=True) if load_n > _LOADED_N
         ]
         word = self.motion.words[frame] or f"sample {frame}"
-        return f"{word[:1].upper()}{word[1:]}: {', '.join(carried) or 'flight'}"
+        said = f"{word[:1].upper()}{word[1:]}: {', '.join(carried) or 'flight'}"
+        remark = self.figure.remark(frame)
+        return f"{said}; {remark}" if remark else said
 
     def cameras(self) -> Cameras:
         """Return places to look from, by name."""
@@ -87,24 +117,19 @@ class FootholdScene:
             "follow": {"follow": "/robot/trunk", "offset": [-0.9, -0.9, 0.5]},
         }
 
-    def _add_footholds(self) -> None:
-        """Mark where every foot stands before and after each of its swings."""
-        for name, hue, places_m in zip(FEET, FOOT_COLOURS, self.motion.footholds_m, strict=True):
-            for number, place in enumerate(places_m):
-                node, looks = f"/footholds/{name}/{number}", {"position": tuple(place), "cast_shadow": False}
-                self.scene.add_cylinder(node, _FOOT_M, 0.004, colour(hue), **looks)
+    def _add_ground(self) -> None:
+        """Draw the polygons that are not drawn yet."""
+        for number, vertices_m in list(enumerate(self.motion.polygons_m))[self.polygons :]:
+            add_solid(self.scene, f"/terrain/{number}", slab(vertices_m, _SLAB_M), "#d8d4ca", cast_shadow=False)
+        self.polygons = len(self.motion.polygons_m)
 
-    def _add_robot(self) -> None:
-        motion, add = self.motion, self.scene
-        self.poses, link_m = quadruped_parts(motion.base_m, motion.rpy_rad, motion.feet_m, motion.hips_m)
-        ahead_m, aside_m, _ = motion.hips_m[0]
-        trunk_m = (2 * ahead_m + 0.04, 2 * aside_m - _LINK_M, _TRUNK_HEIGHT_M)
-        self.parts: dict[str, Any] = {"trunk": add.add_box("/robot/trunk", colour("#3b3f46"), trunk_m)}
-        for foot, name in enumerate(FEET):
-            hue = colour(FOOT_COLOURS[foot])
-            for link in ("thigh", "shank"):
-                self.parts[f"{foot}/{link}"] = add.add_cylinder(f"/robot/{name}/{link}", _LINK_M, link_m, hue)
-            self.parts[f"{foot}/foot"] = add.add_icosphere(f"/robot/{name}/foot", _FOOT_M, hue)
+    def _add_footholds(self) -> None:
+        """Mark where every foot stands before and after each of its swings, as far as it is not marked yet."""
+        for foot, (name, hue, places_m) in enumerate(zip(FEET, FOOT_COLOURS, self.motion.footholds_m, strict=True)):
+            for number, place in list(enumerate(places_m))[self.marked[foot] :]:
+                node, looks = f"/footholds/{name}/{number}", {"position": tuple(place), "cast_shadow": False}
+                self.scene.add_cylinder(node, FOOT_M, 0.004, colour(hue), **looks)
+            self.marked[foot] = len(places_m)
 
     def _add_contacts(self) -> None:
         """Add an arrow of 1 m for every force, to be scaled, and a cone with a slope of 1."""
@@ -117,9 +142,9 @@ class FootholdScene:
 
     def _set_cone(self, cone: Any, foot_m: Array) -> None:
         """Put a cone under a foot, with the slope and along the normal of the polygon that it stands on."""
-        polygon = _polygon_below(self.motion.polygons_m, foot_m)
-        mu, normal = self.motion.friction[polygon], _normal(self.motion.polygons_m[polygon])
         if tuple(cone.position) != tuple(foot_m):
+            polygon = _polygon_below(self.motion.polygons_m, foot_m)
+            mu, normal = self.motion.friction[polygon], _normal(self.motion.polygons_m[polygon])
             cone.position, cone.wxyz = foot_m, between(np.zeros((1, 3)), normal[None]).wxyz[0]
             cone.scale = (mu, mu, 1.0)
 
@@ -144,17 +169,3 @@ def _polygon_below(polygons: Sequence[Array], point_m: Array) -> int:
         return max(outside, 0.0) + abs(float(_normal(vertices_m) @ (point_m - vertices_m[0])))
 
     return int(np.argmin([away_m(one) for one in polygons]))
-
-
-def _slab(vertices_m: Array) -> Solid:
-    """Return a convex polygon with some thickness below it."""
-    count = len(vertices_m)
-    vertices = np.concatenate([vertices_m, vertices_m - np.array([0.0, 0.0, _SLAB_M])])
-    top = [(0, k, k + 1) for k in range(1, count - 1)]
-    bottom = [(count, count + k + 1, count + k) for k in range(1, count - 1)]
-    sides = [
-        face
-        for a, b in ((k, (k + 1) % count) for k in range(count))
-        for face in ((a, a + count, b), (b, a + count, b + count))
-    ]
-    return Solid(vertices, np.array([*top, *bottom, *sides], dtype=np.uint32))

@@ -4,72 +4,53 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from dataclasses import replace
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from surefoot.errors import InputError
-from surefoot.missions.run_log import Run, read_run
+from surefoot.missions.run_log import MAX_LINE
+from surefoot.viewer.live_logs import Growing, growing
+from surefoot.viewer.live_look import LookPanel
 from surefoot.viewer.live_panel import LivePanel
 from surefoot.viewer.page import HOST, server
+from surefoot.viewer.recording import Moving
 from surefoot.viewer.replay import RATE_HZ
-from surefoot.viewer.run_scene import RunScene
-from surefoot.viewer.sources import RunSource, read_run_source
-from surefoot.viewer.timeline import curves_of, timeline
-from surefoot.walking import Trajectory
 
 _TICK_S = 1 / RATE_HZ
 _POLL_S = 0.4
+_READING_SHARE = 0.25
+"""Of the time, at most this much is spent on reading a log again."""
+
+State = tuple[int, int, int] | None
+
+
+def state_of(log: Path) -> State:
+    """Return what changes whenever a log does; None when there is none."""
+    if not log.is_file():
+        return None
+    status = log.stat()
+    return status.st_ino, status.st_size, status.st_mtime_ns
 
 
 @contextmanager
-def serving(run_dir: Path, port: int | None) -> Iterator[tuple[str, LiveView]]:
+def serving(run_dir: Path, port: int | None, ignored: State = None) -> Iterator[tuple[str, LiveView]]:
     """Yield the address of a live view of a run, and the view, which shows something once it runs.
 
     Args:
         run_dir: the folder of the run; its log may still be missing.
         port: to listen on; None takes any free one.
+        ignored: the state of an older log in that folder, which is not shown.
 
     Raises:
         BackendMissing: viser is not installed.
         InputError: the port is in use.
     """
     with server(port) as running:
-        yield f"http://{HOST}:{running.get_port()}", LiveView(running, run_dir)
-
-
-@contextmanager
-def watching(run_dir: Path, port: int | None) -> Iterator[str]:
-    """Yield the address of a live view that runs beside the caller.
-
-    Args:
-        run_dir: the folder of the run that the caller is about to walk.
-        port: to listen on; None takes any free one.
-
-    Raises:
-        BackendMissing: viser is not installed.
-        InputError: the port is in use.
-    """
-    stop = threading.Event()
-    with serving(run_dir, port) as (address, view):
-
-        def run() -> None:
-            while not stop.is_set():
-                with suppress(InputError):  # what an older version left in the folder, until the run replaces it
-                    view.run(stop)
-                stop.wait(_POLL_S)
-
-        thread = threading.Thread(target=run, daemon=True)
-        thread.start()
-        try:
-            yield address
-        finally:
-            stop.set()
-            thread.join()
+        yield f"http://{HOST}:{running.get_port()}", LiveView(running, run_dir, ignored)
 
 
 class LiveView:
@@ -78,15 +59,15 @@ class LiveView:
     Args:
         running: a viser server.
         run_dir: the folder of the run.
+        ignored: the state of an older log in that folder, which is not shown.
     """
 
-    def __init__(self, running: Any, run_dir: Path) -> None:
+    def __init__(self, running: Any, run_dir: Path, ignored: State = None) -> None:
         self.running, self.log = running, run_dir / "run.jsonl"
-        self.seen: tuple[int, int] | None = None
-        self.source: RunSource | None = None
-        self.scene: RunScene | None = None
-        self.curves: tuple[Trajectory, ...] = ()
-        self.panel = LivePanel(running)
+        self.seen = ignored
+        self.growing: Growing | None = None
+        self.moving: Moving | None = None
+        self.panel, self.look = LivePanel(running), LookPanel(running)
 
     def run(self, stop: threading.Event) -> None:
         """Follow and show until a stop is asked for.
@@ -94,64 +75,47 @@ class LiveView:
         Raises:
             InputError: the log holds something else than a run.
         """
-        polled_s = -_POLL_S
+        next_poll_s = 0.0
         while not stop.is_set():
             began_s = time.monotonic()
-            if began_s - polled_s >= _POLL_S:
+            if began_s >= next_poll_s:
                 self._poll()
-                polled_s = time.monotonic()
-            if self.scene is not None:
-                self._show(self.scene)
+                read_s = time.monotonic() - began_s
+                next_poll_s = began_s + max(_POLL_S, read_s / _READING_SHARE)
+            if self.moving is not None:
+                self._show(self.moving)
             stop.wait(max(0.0, _TICK_S - (time.monotonic() - began_s)))
 
-    def _show(self, scene: RunScene) -> None:
-        begin_s, end_s = float(scene.time_s[0]), float(scene.time_s[-1])
+    def _show(self, moving: Moving) -> None:
+        begin_s, end_s = float(moving.time_s[0]), float(moving.time_s[-1])
         now_s = begin_s + self.panel.advance(end_s - begin_s)
-        frame = int(np.searchsorted(scene.time_s, now_s, side="right")) - 1
+        frame = max(int(np.searchsorted(moving.time_s, now_s, side="right")) - 1, 0)
         with self.running.atomic():
-            scene.show(max(frame, 0))
-        self.panel.show(scene.caption(max(frame, 0)))
+            moving.show(frame)
+        self.panel.say(moving.caption(frame))
+        self.look.go_along()
 
     def _poll(self) -> None:
-        """Read the log if it has changed and ends with a whole line."""
-        if not self.log.is_file():
+        """Read the log if it has changed."""
+        seen = state_of(self.log)
+        if seen is None or seen == self.seen or not _begun(self.log):
             return
-        status = self.log.stat()
-        seen = (status.st_ino, status.st_size)
-        if seen == self.seen or not _ends_a_line(self.log):
-            return
-        run, self.seen = read_run(self.log), seen
-        if run.steps:
-            self._take(run)
-
-    def _take(self, run: Run) -> None:
-        if self.source is None or self.scene is None or not _continues(run, self.source.run):
-            self.source = replace(read_run_source(self.log.parent), run=run)
-            self.curves = curves_of(run.steps, RATE_HZ)
-            self.running.scene.reset()
-            self.scene = RunScene(self.running.scene, self.source, timeline(self.source, self.curves))
-            self.panel.look_from(self.scene.cameras())
-            return
-        self.source = replace(self.source, run=run)
-        self.curves += curves_of(run.steps[len(self.curves) :], RATE_HZ)
-        self.scene.grow(self.source, timeline(self.source, self.curves))
+        self.growing, self.seen = growing(self.log, self.growing), seen
+        moving, before = self.growing.read(self.running.scene), self.moving
+        self.moving = moving
+        if moving is None:
+            self.panel.wait()
+        elif moving is not before:
+            self.look.look_from(moving.cameras)
 
 
-def _ends_a_line(log: Path) -> bool:
+def _begun(log: Path) -> bool:
+    """Return whether the first line of a log is whole."""
     with log.open("rb") as stream:
-        stream.seek(0, 2)
-        if stream.tell() == 0:
-            return False
-        stream.seek(-1, 2)
-        return stream.read() == b"\n"
+        return stream.readline(MAX_LINE).endswith(b"\n")
 
 
-def _continues(run: Run, before: Run) -> bool:
-    """Return whether a log is a longer state of another one, not one that replaced it."""
-    return run.header == before.header and run.steps[: len(before.steps)] == before.steps
-
-
-def follow(run_dir: Path, port: int | None, say: Any) -> None:
+def follow(run_dir: Path, port: int | None, say: Callable[[str], None]) -> None:
     """Serve a run while its log grows, until the process is interrupted.
 
     Args:

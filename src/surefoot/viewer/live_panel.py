@@ -1,14 +1,12 @@
-"""The panel of a live view: what moment is shown, and from where each browser looks at it."""
+"""The panel of a live view: what moment is shown."""
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Mapping
 from typing import Any
 
-from surefoot.viewer.page import Cameras
-
+_WAITING = "waiting for the first step"
 _SPEEDS = {"real time": 1.0, "4 times": 4.0, "16 times": 16.0}
 
 
@@ -20,20 +18,16 @@ class LivePanel:
     """
 
     def __init__(self, running: Any) -> None:
-        self.running = running
         self.ticked_s, self.now_s = time.monotonic(), 0.0
-        self.following: dict[int, Mapping[str, Any]] = {}
         self.lock = threading.Lock()
         gui = running.gui
-        gui.configure_theme(show_logo=False, show_share_button=False)
-        gui.set_panel_label("Surefoot")
-        self.caption = gui.add_markdown("waiting for the first step")
+        self.caption = gui.add_markdown(_WAITING)
         self.latest = gui.add_checkbox("latest moment", initial_value=True)
         self.playing = gui.add_checkbox("play", initial_value=False)
         self.speed = gui.add_dropdown("speed", tuple(_SPEEDS))
         self.slider = gui.add_slider("time [s]", 0.0, 1.0, 0.01, 0.0)
         self.slider.on_update(self._moved)
-        self.buttons: Any = None
+        self.playing.on_update(self._played)
 
     def advance(self, end_s: float) -> float:
         """Return the moment to show [s], given how long the run is by now."""
@@ -51,41 +45,14 @@ class LivePanel:
                 self.slider.value = round(self.now_s, 2)
             return self.now_s
 
-    def show(self, text: str) -> None:
-        """Say what happens at the moment, and let cameras that follow go along."""
+    def say(self, text: str) -> None:
+        """Say what happens at the moment."""
         if self.caption.content != text:
             self.caption.content = text
-        clients = self.running.get_clients()
-        for number, camera in list(self.following.items()):
-            if number in clients:
-                self._look(clients[number], camera)
 
-    def look_from(self, cameras: Cameras) -> None:
-        """Offer places to look from; new browsers begin at the first."""
-        first = next(iter(cameras.values()))
-        self.running.initial_camera.position = tuple(first["position"])
-        self.running.initial_camera.look_at = tuple(first["look_at"])
-        for client in self.running.get_clients().values():
-            self._look(client, first)
-        if self.buttons is not None:
-            self.buttons.remove()
-        self.buttons = self.running.gui.add_button_group("look", tuple(cameras))
-
-        @self.buttons.on_click
-        def _(event: Any) -> None:
-            camera = cameras[event.target.value]
-            self.following.pop(event.client.client_id, None)
-            if "follow" in camera:
-                self.following[event.client.client_id] = camera
-            self._look(event.client, camera)
-
-    def _look(self, client: Any, camera: Mapping[str, Any]) -> None:
-        eye, centre = camera.get("position"), camera.get("look_at")
-        if "follow" in camera:
-            centre = self.running.scene.get_handle_by_name(camera["follow"]).position
-            eye = centre + camera["offset"]
-        with client.atomic():
-            client.camera.position, client.camera.look_at = eye, centre
+    def wait(self) -> None:
+        """Say that there is nothing to see yet, or not any more."""
+        self.say(_WAITING)
 
     def _moved(self, event: Any) -> None:
         """Go where a browser moved the slider to."""
@@ -93,3 +60,10 @@ class LivePanel:
             with self.lock:
                 self.latest.value = False
                 self.now_s = float(self.slider.value)
+
+    def _played(self, event: Any) -> None:
+        """Play from the beginning if there is nothing left to play."""
+        if event.client is not None and self.playing.value:
+            with self.lock:
+                if self.latest.value:
+                    self.latest.value, self.now_s = False, 0.0

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import viser
 
 HOST = "127.0.0.1"
+INSTALL = "pip install 'surefoot[view]'"
 Cameras = Mapping[str, Mapping[str, Any]]
 
 
@@ -36,7 +37,7 @@ def server(port: int | None = None) -> Iterator[viser.ViserServer]:
     """
     viser = _viser()
     with redirect_stdout(StringIO()):  # it greets and says goodbye
-        running = viser.ViserServer(host=HOST, port=_free_port(port), verbose=False)
+        running = viser.ViserServer(host=HOST, port=free_port(port), verbose=False)
     _without_sharing(running)
     try:
         yield running
@@ -71,12 +72,16 @@ def _viser() -> Any:
     try:
         import viser
     except ImportError as missing:
-        raise BackendMissing("viser", "pip install 'surefoot[view]'") from missing
+        raise BackendMissing("viser", INSTALL) from missing
     return viser
 
 
-def _free_port(port: int | None) -> int:
-    """Return a port that nobody listens on."""
+def free_port(port: int | None) -> int:
+    """Return a port that nobody listens on: the given one, or any.
+
+    Raises:
+        InputError: the port is in use.
+    """
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

@@ -16,10 +16,12 @@ from matplotlib.patches import Rectangle as Box
 from surefoot.errors import InputError
 from surefoot.missions.quadruped_events import Happening
 from surefoot.missions.quadruped_world import World
-from surefoot.skills import read_terrain
+from surefoot.skills import QuadrupedTerrain, read_terrain
 from surefoot.skills.patches import Rectangle
 from surefoot.viewer import style
+from surefoot.viewer.foothold_motion import records_of
 from surefoot.viewer.footholds import FOOT_COLOURS, FOOT_LABELS
+from surefoot.viewer.run_ground import cell_m, request_m
 from surefoot.viewer.skills_terrain import class_colours
 
 _LARGEST_BYTES = 64_000_000
@@ -42,8 +44,8 @@ def draw_quadruped_run(run_dir: Path, out: Path) -> tuple[Path, ...]:
         InputError: the log, its terrain, or a plan cannot be read.
     """
     path = run_dir / "run.jsonl"
+    records = [record for _, record in records_of(path)]
     try:
-        records = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
         pictures = [_draw_map(run_dir, records, out / "map.png")]
         segments = [one for one in records if one["record"] == "segment"]
         if segments:
@@ -54,28 +56,45 @@ def draw_quadruped_run(run_dir: Path, out: Path) -> tuple[Path, ...]:
 
 
 def _draw_map(run_dir: Path, records: list[dict[str, Any]], path: Path) -> Path:
-    header = records[0]
-    source = (run_dir / header["terrain"]["path"]).resolve()
-    world = World(read_terrain(source, classes=header["classes"]))
-    events = [one["event"] for one in records if one["record"] == "event"]
-    for event in events:
-        world = _after(world, event)
-    rows, columns = world.terrain.cells
-    width, height = columns * world.terrain.cell_m, rows * world.terrain.cell_m
-    with style.pictured(path, max(_INCHES_PER_M * width + 1.2, 5.0), _INCHES_PER_M * height + 1.6) as figure:
-        axes = figure.subplots()
-        classes = _draw_classes(axes, world)
-        _draw_ground(axes, world)
-        handles = _draw_events(axes, records)
-        _draw_motions(axes, run_dir, records)
-        _draw_requests(axes, records)
-        _frame(axes, world)
+    terrain = _world(run_dir, records).terrain
+    width, height = inches(terrain)
+    with style.pictured(path, max(width + 1.2, 5.0), height + 1.6) as figure:
+        handles = draw_map(figure.subplots(), run_dir, records)
         end = records[-1] if records[-1]["record"] == "end" else None
         count = sum(one["record"] == "segment" for one in records)
         reached = "interrupted" if end is None else "goal reached" if end["reached"] else "goal not reached"
-        style.title(figure, f"{world.terrain.name}: {reached}, {count} segments")
-        style.legend_outside(figure, [*classes, *handles, *_handles()], columns=4)
+        style.title(figure, f"{terrain.name}: {reached}, {count} segments")
+        style.legend_outside(figure, handles, columns=4)
     return path
+
+
+def inches(terrain: QuadrupedTerrain) -> tuple[float, float]:
+    """Return width and height of a map in a picture."""
+    rows, columns = terrain.cells
+    return _INCHES_PER_M * columns * terrain.cell_m, _INCHES_PER_M * rows * terrain.cell_m
+
+
+def draw_map(axes: Axes, run_dir: Path, records: list[dict[str, Any]]) -> list[Any]:
+    """Draw classes, ground, what happened, motions and way points of a run; return what the marks mean."""
+    world = _world(run_dir, records)
+    classes = _draw_classes(axes, world)
+    _draw_ground(axes, world)
+    handles = _draw_events(axes, records)
+    _draw_motions(axes, run_dir, records)
+    _draw_requests(axes, records)
+    _frame(axes, world)
+    return [*classes, *handles, *_handles()]
+
+
+def _world(run_dir: Path, records: list[dict[str, Any]]) -> World:
+    """Return the world at the end of a run."""
+    header = records[0]
+    source = (run_dir / header["terrain"]["path"]).resolve()
+    world = World(read_terrain(source, classes=header["classes"]))
+    for one in records:
+        if one["record"] == "event":
+            world = _after(world, one["event"])
+    return world
 
 
 def _after(world: World, event: dict[str, Any]) -> World:
@@ -134,17 +153,12 @@ def _draw_events(axes: Axes, records: list[dict[str, Any]]) -> list[Any]:
     for record in (one for one in records if one["record"] == "failed"):
         (row, column), (after_row, after_column) = record["cells"]
         header = records[0]
-        places = [_centre(header, (row, column)), _centre(header, (after_row, after_column))]
+        places = [cell_m(header, (row, column)), cell_m(header, (after_row, after_column))]
         x, y = np.mean(places, axis=0)
         axes.plot(-y, x, "x", color=style.VERMILION, ms=8, mew=2, zorder=8)
     if any(one["record"] == "failed" for one in records):
         handles.append(Line2D([], [], color=style.VERMILION, marker="x", lw=0, mew=2, label="program failed"))
     return list({one.get_label(): one for one in handles}.values())
-
-
-def _centre(header: dict[str, Any], cell: tuple[int, int]) -> tuple[float, float]:
-    (x, y), (rows, columns), side = header["origin_m"], header["cells"], header["cell_m"]
-    return x + (rows - cell[0] - 0.5) * side, y + (columns - cell[1] - 0.5) * side
 
 
 def _draw_motions(axes: Axes, run_dir: Path, records: list[dict[str, Any]]) -> None:
@@ -166,11 +180,7 @@ def _draw_motions(axes: Axes, run_dir: Path, records: list[dict[str, Any]]) -> N
 def _draw_requests(axes: Axes, records: list[dict[str, Any]]) -> None:
     header = records[0]
     for record in (one for one in records if one["record"] == "request"):
-        rows, columns = header["grid"]
-        row, column = record["request"][0] - rows // 2, record["request"][1] - columns // 2
-        for _ in range(record["quarter_turns"] % 4):
-            row, column = -column, row
-        x, y = _centre(header, (record["cell"][0] + row, record["cell"][1] + column))
+        x, y = request_m(header, record)
         made = record["source"] != "library"
         axes.plot(-y, x, "D", ms=8, mfc="none", mec=style.VERMILION if made else style.BLUE, mew=1.4, zorder=5)
     x, y = header["goal"]["place_m"]

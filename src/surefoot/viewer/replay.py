@@ -2,54 +2,109 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from surefoot.errors import InputError
-from surefoot.viewer.foothold_motion import read_motion
+from surefoot.viewer.biped_body import BipedBody, MeshedBiped, SimpleBiped
+from surefoot.viewer.bodies import Body, chosen_body
+from surefoot.viewer.foothold_motion import FootholdMotion, read_motion
 from surefoot.viewer.foothold_scene import FootholdScene
+from surefoot.viewer.quadruped_figure import MeshedQuadruped, QuadrupedFigure, SimpleQuadruped
 from surefoot.viewer.quadruped_run import is_quadruped_run
-from surefoot.viewer.recording import write_recording
+from surefoot.viewer.recording import Moving, write_recording
+from surefoot.viewer.run_ground import read_run_ground
 from surefoot.viewer.run_scene import RunScene
 from surefoot.viewer.sources import RunSource, read_run_source
 from surefoot.viewer.strategy_page import write_strategy_page
 from surefoot.viewer.timeline import Timeline, curves_of, timeline
 
 RATE_HZ = 12.0
+Say = Callable[[str], None]
 
 
-def write_motion(path: Path, out: Path) -> Path:
+def silent(remark: str) -> None:
+    """Say nothing."""
+
+
+def write_motion(path: Path, out: Path, body: Body | None = None, say: Say = silent) -> Path:
     """Write the page of whatever is at a path: a run, a foothold plan, or a plan with its strategy.
 
     Args:
         path: the folder or the file.
         out: the HTML file.
+        body: of the robot; None takes its own meshes if they are installed, else the simple body.
+        say: is told what is drawn otherwise than it was planned.
 
     Raises:
         InputError: it cannot be read, or holds nothing that a page shows.
-        BackendMissing: viser is not installed.
+        BackendMissing: viser is not installed, or meshes are asked for and are not.
     """
     if (path.is_file() and path.suffix.lower() == ".json") or is_quadruped_run(path):
-        motion = read_motion(path)
-        return write_recording(out, lambda scene: FootholdScene(scene, motion))
+        return write_quadruped(path, out, body, say)
     if (path / "plan.json").is_file() and not (path / "run.jsonl").is_file():
+        if body is not None:
+            raise InputError("--body belongs to runs and foothold plans; this plan is shown without a robot")
         return write_strategy_page(path, out)
-    return write_replay(path, out)
+    return write_replay(path, out, body=body, say=say)
 
 
-def write_replay(run_dir: Path, path: Path, rate_hz: float = RATE_HZ) -> Path:
-    """Write a run as one self-contained page with a time slider, a play button and places to look from.
+def write_quadruped(path: Path, out: Path, body: Body | None, say: Say) -> Path:
+    """Write a foothold plan, or the run of a quadruped on the ground that it went over, as one page."""
+    motion = read_motion(path)
+    ground = read_run_ground(path) if path.is_dir() else None
+    if path.is_dir() and ground is None:
+        say("the terrain file of the run is missing or was changed: only the ground that its plans knew is shown")
+    chosen = chosen_body(motion.robot, biped=False, asked=body)
+    drawn: list[FootholdScene] = []
+
+    def figure(scene: Any, motion: FootholdMotion) -> QuadrupedFigure:
+        if chosen.model is None or chosen.wearing is None:
+            return SimpleQuadruped(scene, motion)
+        return MeshedQuadruped(scene, motion, chosen.model, chosen.wearing)
+
+    def draw(scene: Any) -> Moving:
+        drawn.append(FootholdScene(scene, motion, figure, ground))
+        return drawn[0]
+
+    write_recording(out, draw)
+    for remark in (*chosen.remarks, *drawn[0].figure.remarks()):
+        say(remark)
+    return out
+
+
+def write_replay(
+    run_dir: Path, path: Path, rate_hz: float = RATE_HZ, body: Body | None = None, say: Say = silent
+) -> Path:
+    """Write a biped's run as one self-contained page with a time slider, a play button and places to look from.
 
     Args:
         run_dir: the folder of the run.
         path: of the HTML file.
         rate_hz: frames a second.
+        body: of the robot; None takes its own meshes if they are installed, else the simple body.
+        say: is told what is drawn otherwise than it was logged.
 
     Raises:
         InputError: the run cannot be read, or holds no step.
-        BackendMissing: viser is not installed.
+        BackendMissing: viser is not installed, or meshes are asked for and are not.
     """
     source, times = read_timeline(run_dir, rate_hz)
-    return write_recording(path, lambda scene: RunScene(scene, source, times))
+    chosen = chosen_body(source.plan.scenario.robot, biped=True, asked=body)
+    drawn: list[RunScene] = []
+
+    def figure(scene: Any, times: Timeline) -> BipedBody:
+        return SimpleBiped(scene, times) if chosen.model is None else MeshedBiped(scene, times, chosen.model)
+
+    def draw(scene: Any) -> Moving:
+        drawn.append(RunScene(scene, source, times, figure))
+        return drawn[0]
+
+    write_recording(path, draw)
+    for remark in (*chosen.remarks, *drawn[0].figure.body.remarks()):
+        say(remark)
+    return path
 
 
 def read_timeline(run_dir: Path, rate_hz: float = RATE_HZ) -> tuple[RunSource, Timeline]:

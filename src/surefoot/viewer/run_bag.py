@@ -9,7 +9,9 @@ import numpy as np
 from surefoot.frames import Cell
 from surefoot.missions.run_log import Step, Turn
 from surefoot.viewer import style
+from surefoot.viewer.belief_tiles import KIND_HUES
 from surefoot.viewer.body import biped_parts
+from surefoot.viewer.headings import headings_rad
 from surefoot.viewer.replay import RATE_HZ, read_timeline
 from surefoot.viewer.ros_messages import (
     CUBE,
@@ -26,7 +28,6 @@ from surefoot.viewer.ros_messages import (
     recording,
     transforms,
 )
-from surefoot.viewer.run_scene import KIND_HUES
 from surefoot.viewer.solids import floor_m, heights_of
 from surefoot.viewer.sources import PlanSource, RunSource
 from surefoot.viewer.timeline import Timeline, centre_m
@@ -91,7 +92,7 @@ def _grid(plan: PlanSource, time_s: float) -> Message:
 
 
 def _add_motion(bag: Recording, times: Timeline) -> None:
-    parts, _ = biped_parts(times.com_m, times.yaw_rad, times.left_foot_m, times.right_foot_m)
+    parts, _ = biped_parts(times.com_m, headings_rad(times), times.left_foot_m, times.right_foot_m)
     for frame, time_s in enumerate(times.time_s.tolist()):
         moved = {name: (parts[part].position_m[frame], parts[part].wxyz[frame]) for part, name in _FRAMES.items()}
         bag.add("/tf", "tf2_msgs/msg/TFMessage", time_s, transforms(time_s, moved))

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.frames import Cell
-from surefoot.missions.run_log import Step, Turn
+from surefoot.missions.run_log import Step
 from surefoot.viewer import style
+from surefoot.viewer.belief_tiles import KIND_HUES, BeliefTiles
+from surefoot.viewer.biped_body import BipedBody
 from surefoot.viewer.biped_figure import BipedFigure
 from surefoot.viewer.page import Cameras, add_solid, colour
-from surefoot.viewer.solids import cell_tiles, floor_m, floors, heights_of, walls
+from surefoot.viewer.scenery import light
+from surefoot.viewer.solids import floor_m, floors, heights_of, walls
 from surefoot.viewer.sources import PlanSource, RunSource
 from surefoot.viewer.stepping import in_world
 from surefoot.viewer.timeline import Timeline, centre_m
-
-KIND_HUES = (
-    (style.OBSTACLE, style.BELIEF),
-    (style.BLUE, style.SKY),
-    (style.BLACK, style.YELLOW),
-    (style.VERMILION, "#f4b183"),
-)
-"""Obstacle and belief of every kind; more kinds begin again."""
 
 _OBSTACLE_M = (0.3, 1.1)
 _JUMP_S = 4.0
@@ -61,19 +57,23 @@ class RunScene:
         scene: of a viser server.
         source: the run.
         times: the run, sampled.
+        body: draws the robot's body; None draws the simple one.
     """
 
-    def __init__(self, scene: Any, source: RunSource, times: Timeline) -> None:
+    def __init__(
+        self,
+        scene: Any,
+        source: RunSource,
+        times: Timeline,
+        body: Callable[[Any, Timeline], BipedBody] | None = None,
+    ) -> None:
         self.scene, self.source, self.times = scene, source, times
-        self.heights = heights_of(source.plan)
         self.turn, self.text = -1, ""
-        self.believed: frozenset[tuple[int, Cell]] = frozenset()
-        self.tiles: dict[tuple[int, Cell], Any] = {}
         self.pushed = 0
-        scene.set_up_direction("+z")
-        scene.configure_default_lights(cast_shadow=False)
+        light(scene)
         add_ground(scene, source.plan)
-        self.figure = BipedFigure(scene, times, source.run.steps)
+        self.tiles = BeliefTiles(scene, source.plan)
+        self.figure = BipedFigure(scene, times, source.run.steps, body)
         self.obstacles = [self._obstacle(number) for number in range(times.obstacles_m.shape[1])]
         self.label = scene.add_label("/robot/order", "", anchor="bottom-center", font_screen_scale=1.1)
         self._mark_pushes()
@@ -100,13 +100,15 @@ class RunScene:
             self.label.text = self.text = text
         if self.times.turns and self.times.turn[frame] != self.turn:
             self.turn = int(self.times.turn[frame])
-            self._show_belief(self.times.turns[self.turn])
+            hidden = self.times.turns[self.turn].hidden
+            self.tiles.show(frozenset((kind, Cell(*cell)) for kind, cells in enumerate(hidden) for cell in cells))
 
     def caption(self, frame: int) -> str:
         """Say the step and the order."""
         step = self.source.run.steps[self.times.step[frame]]
         foot = f"from the {step.stance} foot, to {step.next_apex_speed_mps:.2f} m/s"
-        return f"Step {step.step}: {self._says(frame)} ({foot})"
+        remark = self.figure.body.remark(frame)
+        return f"Step {step.step}: {self._says(frame)} ({foot})" + (f"; {remark}" if remark else "")
 
     def cameras(self) -> Cameras:
         """Return places to look from, by name."""
@@ -149,20 +151,3 @@ class RunScene:
         kind = next(k for k, members in enumerate(self.source.run.header.kinds) if number in members)
         hue = KIND_HUES[kind % len(KIND_HUES)][0]
         return self.scene.add_cylinder(f"/obstacles/{number}", radius_m, height_m, colour(hue))
-
-    def _show_belief(self, turn: Turn) -> None:
-        believed = frozenset((kind, Cell(*cell)) for kind, cells in enumerate(turn.hidden) for cell in cells)
-        for place in self.believed - believed:
-            self.tiles[place].visible = False
-        for place in believed - self.believed:
-            if place not in self.tiles:
-                self.tiles[place] = self._tile(*place)
-            self.tiles[place].visible = True
-        self.believed = believed
-
-    def _tile(self, kind: int, cell: Cell) -> Any:
-        """Add the tile of a belief; those of several kinds in one cell lie inside and above one another."""
-        above_m, inset = 0.02 + 0.012 * kind, 0.06 + min(0.06 * kind, 0.3)
-        solid = cell_tiles(self.source.plan.grid, self.heights, np.array([cell]), above_m, inset)
-        name, hue = f"/belief/{kind}/{cell.row}_{cell.column}", KIND_HUES[kind % len(KIND_HUES)][1]
-        return add_solid(self.scene, name, solid, hue, opacity=0.55, cast_shadow=False)

@@ -1,42 +1,54 @@
-"""Pictures of single results: the regions of a step, a foothold plan, a library of skills."""
+"""Pictures of single results: the regions of a step, a foothold plan, ground, a library of skills."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from surefoot.errors import InputError
 
-_LARGEST_BYTES = 200_000_000
 
-
-def draw_json(path: Path, out: Path) -> tuple[Path, ...]:
-    """Draw what a JSON file holds: a foothold plan, or the regions of a step.
+def draw_footholds(path: Path, out: Path) -> tuple[Path, ...]:
+    """Draw a foothold plan: footholds, feet, base and forces.
 
     Args:
         path: the file.
         out: the folder for the picture.
-
-    Raises:
-        InputError: it cannot be read, or is neither.
     """
-    kind = _kind(path)
-    if kind == "foothold-plan":
-        from surefoot.viewer.footholds import draw_plan, read_foothold_plan
+    from surefoot.viewer.footholds import draw_plan, read_foothold_plan
 
-        picture = out / f"{path.stem}.png"
-        draw_plan(read_foothold_plan(path), picture)
-        return (picture,)
-    if kind == "step-region":
-        from surefoot.reach import load_region
-        from surefoot.viewer.omegas import draw_omegas
-        from surefoot.viewer.regions import draw_region
+    picture = out / f"{path.stem}.png"
+    draw_plan(read_foothold_plan(path), picture)
+    return (picture,)
 
-        region = load_region(path)
-        return draw_region(region, out / f"{path.stem}.png"), draw_omegas(region, out / f"{path.stem}_omegas.png")
-    raise InputError("is no kind that can be drawn; allowed are foothold-plan and step-region", source=path, key="kind")
+
+def draw_regions(path: Path, out: Path) -> tuple[Path, ...]:
+    """Draw the regions of a step, and their lowest and highest winning omegas.
+
+    Args:
+        path: the file.
+        out: the folder for the pictures.
+    """
+    from surefoot.reach import load_region
+    from surefoot.viewer.omegas import draw_omegas
+    from surefoot.viewer.regions import draw_region
+
+    region = load_region(path)
+    return draw_region(region, out / f"{path.stem}.png"), draw_omegas(region, out / f"{path.stem}_omegas.png")
+
+
+def draw_ground(path: Path, out: Path) -> tuple[Path, ...]:
+    """Draw the terrain of a quadruped: polygons by height, and the class of every cell.
+
+    Args:
+        path: the file, or one that ``surefoot terrain segment`` made.
+        out: the folder for the picture.
+    """
+    from surefoot.skills import read_terrain
+    from surefoot.viewer.skills_terrain import draw_quadruped_terrain
+
+    return (draw_quadruped_terrain(read_terrain(path), out / f"{path.stem}.png"),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,13 +79,3 @@ def draw_library(folder: Path, out: Path) -> tuple[Path, ...]:
     except InputError:  # the user's own classes are not among the built-in ones
         return tuple(pictures)
     return (*pictures, draw_classes(classes, out / "classes.png"))
-
-
-def _kind(path: Path) -> object:
-    if path.stat().st_size > _LARGEST_BYTES:
-        raise InputError(f"is larger than the {_LARGEST_BYTES} bytes that are allowed", source=path)
-    try:
-        document = json.loads(path.read_text("utf-8"))
-    except (ValueError, RecursionError) as problem:
-        raise InputError("cannot be read as JSON", source=path) from problem
-    return document.get("kind") if isinstance(document, dict) else None

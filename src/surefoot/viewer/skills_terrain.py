@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,13 +17,17 @@ from matplotlib.patches import Rectangle as Box
 from surefoot.footholds.terrain import Polygon
 from surefoot.skills.classes import ClassSet
 from surefoot.skills.grid import LocalGrid
+from surefoot.skills.measures import NONE
+from surefoot.skills.obstacles import why_obstacle
 from surefoot.skills.patches import class_polygons, class_rectangles
 from surefoot.skills.quadruped_terrain import QuadrupedTerrain
-from surefoot.skills.values import OBSTACLE, CheckResult, Direction, Physics
+from surefoot.skills.values import OBSTACLE, Cell, CheckResult, Direction, Physics
 from surefoot.viewer import style
 
 _COLOURS = (style.SKY, style.GREEN, style.YELLOW, style.ORANGE, style.PURPLE, style.VERMILION, style.BLUE)
 _PAPER = "#f7f7f7"
+_NOTES = 2
+_LARGEST_IN = 30.0
 Colour = tuple[float, float, float, float]
 _ANSWERS = {Physics.INFEASIBLE: ("#d9d9d9", "infeasible"), Physics.UNKNOWN: (style.VERMILION, "unknown")}
 _GAIT_COLOURS = (style.GREEN, style.SKY, style.BLUE, style.ORANGE, style.PURPLE)
@@ -39,10 +43,11 @@ def draw_quadruped_terrain(terrain: QuadrupedTerrain, path: Path) -> Path:
         path: of the PNG file.
     """
     rows, columns = terrain.cells
-    with style.pictured(path, max(1.05 * columns * 2 + 0.8, 7.0), 1.0 * rows + 1.6) as figure:
+    scale = min(1.0, _LARGEST_IN / max(rows, 2 * columns))
+    with style.pictured(path, max(1.05 * scale * columns * 2 + 0.8, 7.0), scale * rows + 1.6) as figure:
         left, right = figure.subplots(1, 2)
         handles = _draw_polygons(left, terrain.polygons)
-        _draw_labels(right, terrain)
+        _draw_labels(right, terrain, scale)
         for axes in (left, right):
             _lattice(axes, terrain)
         for place, marker in ((terrain.start_m, "s"), (terrain.goal_m, "*")):
@@ -94,11 +99,27 @@ def _labels(terrain: QuadrupedTerrain) -> list[tuple[str, float, float]]:
     return found
 
 
-def _draw_labels(axes: Axes, terrain: QuadrupedTerrain) -> None:
+def _draw_labels(axes: Axes, terrain: QuadrupedTerrain, scale: float) -> None:
+    """Draw the class of every cell with the height of its ground; of obstacles, with the measures that decide."""
     side, colours = terrain.cell_m, class_colours(terrain.classes)
     for label, x, y in _labels(terrain):
         axes.add_patch(Box((-y - side / 2, x - side / 2), side, side, facecolor=colours[label], edgecolor="white"))
-        axes.text(-y, x, label.replace("-", "\n").replace(" ", "\n"), fontsize=6.5, ha="center", va="center")
+        words = label.replace("-", "\n").replace(" ", "\n")
+        axes.text(-y, x + side * 0.08, words, fontsize=6.5 * scale, ha="center", va="center")
+    for cell in terrain.measured:
+        x, y = terrain.centre_m(cell)
+        looks: dict[str, Any] = {"fontsize": 4.5 * scale, "ha": "center", "va": "center", "color": style.WALL}
+        for number, text in enumerate(_notes(terrain, cell)[:_NOTES]):
+            axes.text(-y, x - side * (0.22 + 0.13 * number), text, **looks)
+
+
+def _notes(terrain: QuadrupedTerrain, cell: Cell) -> list[str]:
+    """Return what is told of a cell besides its class: height of its ground, or what makes it an obstacle."""
+    why = why_obstacle(terrain, cell)
+    if not why:
+        return [f"{terrain.measured[cell].height_m:+.2f} m"]
+    parts = [(one.measure.partition("_"), min(one.value, NONE)) for one in why]
+    return [f"{name} {value:.3g} {unit}".rstrip() for (name, _, unit), value in parts]
 
 
 def _lattice(axes: Axes, terrain: QuadrupedTerrain) -> None:

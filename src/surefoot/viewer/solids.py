@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -130,6 +131,29 @@ def _prisms(parts: list[tuple[Array, float, float]]) -> Solid:
         vertices[8 * number + 4 : 8 * number + 8, 2] = high_m
     faces = (np.array(one)[None] + 8 * np.arange(len(parts))[:, None, None]).reshape(-1, 3)
     return Solid(vertices, faces.astype(np.uint32))
+
+
+def slab(vertices_m: Array, thickness_m: float | Array) -> Solid:
+    """Return a convex polygon, corners (n, 3), with some thickness below it, one for all corners or one for each."""
+    count = len(vertices_m)
+    below = np.zeros_like(vertices_m)
+    below[:, 2] = thickness_m
+    vertices = np.concatenate([vertices_m, vertices_m - below])
+    top = [(0, k, k + 1) for k in range(1, count - 1)]
+    bottom = [(count, count + k + 1, count + k) for k in range(1, count - 1)]
+    sides = [
+        face
+        for a, b in ((k, (k + 1) % count) for k in range(count))
+        for face in ((a, a + count, b), (b, a + count, b + count))
+    ]
+    return Solid(vertices, np.array([*top, *bottom, *sides], dtype=np.uint32))
+
+
+def together(solids: Sequence[Solid]) -> Solid:
+    """Return solids as one."""
+    begins = np.cumsum([0, *(len(one.vertices_m) for one in solids)])
+    faces = [one.faces + begin for one, begin in zip(solids, begins[:-1], strict=True)]
+    return Solid(np.concatenate([one.vertices_m for one in solids]), np.concatenate(faces).astype(np.uint32))
 
 
 def _counter_clockwise(corners: Array) -> bool:

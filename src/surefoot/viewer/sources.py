@@ -88,13 +88,17 @@ def _check_fresh(path: Path, document: Mapping[str, Any], scenario: Path, occupa
             raise InputError(message, source=path)
 
 
-def read_run_source(folder: Path) -> RunSource:
+def read_run_source(folder: Path, *, growing: bool = False) -> RunSource:
     """Read a run and the plan that it walked.
+
+    Args:
+        folder: of the run.
+        growing: whether a last line without its end is passed over, because it is still being written.
 
     Raises:
         InputError: if something is missing, unreadable, or made for another scenario.
     """
-    run = read_run(folder)
+    run = read_run(folder, growing=growing)
     plan_path = run.folder / run.header.plan.path
     plan = read_plan_source(plan_path.parent if plan_path.suffix == ".json" else plan_path)
     if plan.document["scenario"].get("sha256") != run.header.scenario.sha256:

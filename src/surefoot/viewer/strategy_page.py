@@ -13,8 +13,8 @@ from surefoot.compute import write_text_whole
 from surefoot.errors import InputError
 from surefoot.navigation import NavigationStrategy, ObstacleState
 from surefoot.viewer.answers import strategy_of
+from surefoot.viewer.belief_tiles import KIND_HUES
 from surefoot.viewer.page import script
-from surefoot.viewer.run_scene import KIND_HUES
 from surefoot.viewer.sources import PlanSource, read_plan_source
 
 MOST_DECISIONS = 500_000

@@ -1,0 +1,293 @@
+"""How cells are laid over scanned ground, so that the edges of steps and stones fall on the sides of cells.
+
+Headings, sides and offsets are proposed from the edges (``lattice_fit``); the most promising lattices are measured by
+the rules of the classes, and that one is taken in which the most ground can be walked on without a break. Everything is
+in order of merit and of the proposals, so the same ground gives the same cells.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+
+from surefoot.errors import InputError
+from surefoot.footholds.terrain import Polygon, polygon
+from surefoot.skills.classes import ClassSet
+from surefoot.skills.crevices import crevices
+from surefoot.skills.lattice_fit import Edges, ground_edges, headings_rad, offsets
+from surefoot.skills.quadruped_terrain import Laid, Point, QuadrupedTerrain
+from surefoot.skills.values import OBSTACLE, Cell, Direction
+
+_HEADINGS = 3
+_SIDES = 8
+_OFFSETS = 3
+_MOST_MEASURED = 4_000
+_LEAST_TRIED = 4
+_SIDE_STEP_M = 0.01
+_MOST_CELLS = 10_000
+_NEARLY = 0.9
+_LEVEL_M = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What a lattice is for.
+
+    Attributes:
+        sets: classes to choose among.
+        cell_m: side of a cell; None: what the classes serve.
+        yaw_rad: heading of the robot on the scan; None: from the edges.
+        start_m, goal_m: on the scan; None: anywhere.
+        grid: rows and columns of a local grid.
+        name: of the terrain.
+    """
+
+    sets: tuple[ClassSet, ...]
+    cell_m: float | None = None
+    yaw_rad: float | None = None
+    start_m: Point | None = None
+    goal_m: Point | None = None
+    grid: tuple[int, int] = (3, 3)
+    name: str = "terrain"
+
+
+@dataclass(frozen=True, eq=False)
+class Lay:
+    """A lattice and what it is worth.
+
+    Attributes:
+        terrain: the ground in the frame of the lattice, start and goal among it as far as they are known.
+        left_out: polygons of the scan that lie in crevices.
+    """
+
+    terrain: QuadrupedTerrain
+    left_out: frozenset[int] = frozenset()
+
+    @cached_property
+    def standing(self) -> frozenset[Cell]:
+        """Cells on which the robot can stand, by the rules."""
+        classes, measured = self.terrain.classes, self.terrain.measured
+        return frozenset(
+            cell for cell, one in measured.items() if classes.classify(one.seen_from(one.height_m)) != OBSTACLE
+        )
+
+    @cached_property
+    def parts(self) -> tuple[frozenset[Cell], ...]:
+        """Sets of cells between which the rules allow moves both ways, the largest first."""
+        left, found = set(self.standing), []
+        while left:
+            part, queue = set(), [min(left)]
+            left.discard(queue[0])
+            while queue:
+                cell = queue.pop()
+                part.add(cell)
+                new = [one for way in Direction if (one := way.of(cell)) in left and self._passable(cell, one)]
+                left.difference_update(new)
+                queue += new
+            found.append(frozenset(part))
+        return tuple(sorted(found, key=lambda part: (-len(part), min(part))))
+
+    def _passable(self, here: Cell, there: Cell) -> bool:
+        measured, classes = self.terrain.measured, self.terrain.classes
+        return all(
+            classes.classify(measured[b].seen_from(measured[a].height_m)) != OBSTACLE
+            for a, b in ((here, there), (there, here))
+        )
+
+    @cached_property
+    def part(self) -> frozenset[Cell]:
+        """The cells that count: those about the start if there is one, else the largest part."""
+        if self.terrain.start_m is None:
+            return self.parts[0] if self.parts else frozenset()
+        start = self.terrain.cell_at(self.terrain.start_m)
+        return next((part for part in self.parts if start in part), frozenset())
+
+    @property
+    def arrives(self) -> bool:
+        """Whether the goal, if there is one, is among the cells that count."""
+        return bool(self.part) and (
+            self.terrain.goal_m is None or self.terrain.cell_at(self.terrain.goal_m) in self.part
+        )
+
+    @property
+    def worth_m2(self) -> float:
+        """Area of the cells that count."""
+        return len(self.part) * self.terrain.cell_m**2
+
+
+@dataclass(frozen=True, slots=True)
+class _Try:
+    """A lattice that is proposed, in a frame turned by less than 45 degrees."""
+
+    gain: float
+    classes: ClassSet
+    side_m: float
+    heading_rad: float
+    offset_m: Point
+
+
+def lay_cells(polygons: Sequence[Polygon], margin_m: float, wish: Wish) -> tuple[Lay, int]:
+    """Return the best lattice over some ground, and how many were measured.
+
+    Args:
+        polygons: where a foot may stand.
+        margin_m: what was taken off their edges.
+        wish: what the lattice is for.
+
+    Raises:
+        InputError: start or goal lie beside the ground, or all lattices have too many cells.
+    """
+    low = crevices(polygons, margin_m)
+    polygons = [one for number, one in enumerate(polygons) if number not in low]
+    tries = sorted(_tries(ground_edges(polygons, margin_m), wish), key=lambda one: -one.gain)
+    measured: list[Lay] = []
+    cells = 0
+    for one in tries:
+        lay = Lay(_terrain(polygons, margin_m, wish, one))
+        rows, columns = lay.terrain.cells
+        if rows * columns > _MOST_CELLS:
+            continue
+        _check_places(lay.terrain)
+        measured.append(lay)
+        cells += rows * columns
+        if cells > _MOST_MEASURED and len(measured) >= _LEAST_TRIED:
+            break
+    if not measured:
+        raise InputError(f"the ground needs more than {_MOST_CELLS} cells; give a larger --cell", key="--cell")
+    best = max((one.arrives, one.worth_m2) for one in measured)
+    good = [one for one in measured if one.arrives == best[0] and one.worth_m2 >= _NEARLY * best[1]]
+    chosen = max(good, key=lambda one: (one.terrain.cell_m, one.worth_m2))
+    terrain = _with_ends(Lay(_turned_uphill(chosen, polygons, margin_m, wish)))
+    return Lay(terrain, low), len(measured)
+
+
+def _tries(edges: Edges, wish: Wish) -> Iterator[_Try]:
+    """Yield lattices, for each set and heading those of the sides at which most edges lie on lines."""
+    headings = headings_rad(edges, _HEADINGS) if wish.yaw_rad is None else (wish.yaw_rad,)
+    for classes, heading in product(wish.sets, headings):
+        fits = []
+        for side in _sides(classes, wish.cell_m):
+            axes = [offsets(edges, heading, axis, side, _OFFSETS) for axis in (0, 1)]
+            fits.append((sum(axis[0].gain_m for axis in axes), side, axes))
+        for _, side, (along, across) in sorted(fits, key=lambda fit: -fit[0])[:_SIDES]:
+            for x, y in product(along, across):
+                yield _Try(x.gain_m + y.gain_m, classes, side, heading, (x.offset_m, y.offset_m))
+
+
+def _sides(classes: ClassSet, given_m: float | None) -> list[float]:
+    if given_m is not None or classes.cells_m is None:
+        return [given_m or classes.cell_m]
+    low, high = classes.cells_m
+    return [round(low + k * _SIDE_STEP_M, 6) for k in range(round((high - low) / _SIDE_STEP_M) + 1)]
+
+
+def _terrain(polygons: Sequence[Polygon], margin_m: float, wish: Wish, one: _Try) -> QuadrupedTerrain:
+    """Return the ground as a lattice sees it: turned, with its own corner and cells."""
+    turned = tuple(_turned(each, one.heading_rad) for each in polygons)
+    points = np.concatenate([each.vertices_m[:, :2] for each in turned])
+    low, high = points.min(axis=0) - margin_m, points.max(axis=0) + margin_m
+    origin = [_below(float(low[k]), one.offset_m[k], one.side_m) for k in (0, 1)]
+    rows, columns = (max(math.ceil((float(high[k]) - origin[k]) / one.side_m - 1e-9), 1) for k in (0, 1))
+    return QuadrupedTerrain(
+        wish.name,
+        one.classes.robot,
+        one.classes,
+        one.side_m,
+        wish.grid,
+        (origin[0], origin[1]),
+        (rows, columns),
+        turned,
+        margin_m,
+        start_m=_seen(wish.start_m, one.heading_rad),
+        goal_m=_seen(wish.goal_m, one.heading_rad),
+        laid=Laid(yaw_deg=round(math.degrees(one.heading_rad), 6)),
+    )
+
+
+def _below(low_m: float, offset_m: float, side_m: float) -> float:
+    """Return the last line of a lattice that is not above a value."""
+    return round(offset_m + math.floor((low_m - offset_m) / side_m + 1e-9) * side_m, 9)
+
+
+def _seen(place_m: Point | None, heading_rad: float) -> Point | None:
+    """Return where a place of the scan is in a frame whose x axis has a heading on the scan."""
+    if place_m is None:
+        return None
+    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    x, y = place_m
+    return round(c * x + s * y, 9), round(-s * x + c * y, 9)
+
+
+def _turned(one: Polygon, heading_rad: float) -> Polygon:
+    """Return a polygon as it is in such a frame."""
+    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    matrix = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return polygon((one.vertices_m @ matrix.T).tolist(), one.friction)
+
+
+def _check_places(terrain: QuadrupedTerrain) -> None:
+    for option, place in (("--start", terrain.start_m), ("--goal", terrain.goal_m)):
+        try:
+            if place is not None:
+                terrain.cell_at(place)
+        except InputError as problem:
+            raise InputError("lies beside the ground of the scan", key=option) from problem
+
+
+def _turned_uphill(lay: Lay, polygons: Sequence[Polygon], margin_m: float, wish: Wish) -> QuadrupedTerrain:
+    """Return the same lattice with x along most of the steps, uphill, or from the start to the goal."""
+    terrain = lay.terrain
+    quarters = 0 if wish.yaw_rad is not None else _quarters(lay)
+    x, y = terrain.origin_m
+    side = terrain.cell_m
+    for _ in range(quarters):
+        x, y = y, -x
+    assert terrain.laid is not None
+    heading = math.radians(terrain.laid.yaw_deg) + quarters * math.pi / 2
+    one = _Try(0.0, terrain.classes, side, math.remainder(heading, math.tau), (x % side, y % side))
+    return _terrain(polygons, margin_m, wish, one)
+
+
+def _quarters(lay: Lay) -> int:
+    """Return by how many quarter turns x has to be turned to lead up the steps, or to the goal."""
+    terrain, rise = lay.terrain, np.zeros(2)
+    climbs = np.zeros(2)
+    for cell in sorted(lay.part):
+        for axis, way in enumerate((Direction.FORWARD, Direction.LEFT)):
+            if (other := way.of(cell)) in lay.part:
+                step = terrain.measured[other].height_m - terrain.measured[cell].height_m
+                if abs(step) >= _LEVEL_M:
+                    rise[axis] += step
+                    climbs[axis] += abs(step)
+    if terrain.start_m is not None and terrain.goal_m is not None:
+        way_m = np.subtract(terrain.goal_m, terrain.start_m)
+        climbs = climbs if climbs.any() else np.abs(way_m)
+        rise = way_m
+    if not climbs.any():
+        return 0
+    axis = int(np.argmax(climbs))
+    return axis + (0 if rise[axis] >= 0 else 2)
+
+
+def _with_ends(lay: Lay) -> QuadrupedTerrain:
+    """Return a lattice with a start and a goal: where nobody gave them, the lowest and the highest cell that count."""
+    terrain = lay.terrain
+    if not lay.part or (terrain.start_m is not None and terrain.goal_m is not None):
+        return terrain
+    height = {cell: round(terrain.measured[cell].height_m / _LEVEL_M) for cell in lay.part}
+    lowest = max(lay.part, key=lambda cell: (-height[cell], cell))
+    start = terrain.start_m or terrain.centre_m(lowest)
+    from_cell = terrain.cell_at(start)
+
+    def worth(cell: Cell) -> tuple[int, int, Cell]:
+        return height[cell], abs(cell[0] - from_cell[0]) + abs(cell[1] - from_cell[1]), cell
+
+    goal = terrain.goal_m or terrain.centre_m(max(lay.part, key=worth))
+    changed = replace(terrain, start_m=start, goal_m=goal)
+    vars(changed)["measured"] = terrain.measured  # the cached property
+    return changed
