@@ -1,6 +1,6 @@
 """Regenerate the gallery: docs/gallery.md and its pictures in docs/images/gallery/.
 
-    python docs/make_gallery.py    # about five minutes
+    python docs/make_gallery.py    # about eight minutes
 
 Pages are photographed with Debian's chromium and playwright; without them the photographs stay as they are.
 """
@@ -20,6 +20,7 @@ SCENES = DOCS.parent / "scenes"
 PICTURES = DOCS / "images" / "gallery"
 WIDTH_PX, LARGEST_BYTES = 1100, 200_000
 STEPS = 500
+QUADRUPED_SEEDS = 3
 FLAGS = (
     "--headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader "
     "--disable-background-networking"
@@ -94,6 +95,36 @@ def baselines(work: Path) -> None:
     keep(work / "nearest.png", "baselines_nearest")
 
 
+def quadruped(work: Path) -> dict[str, object]:
+    """Walk over bars, around an obstacle, against the nearest foothold, and on turned ground; draw all that."""
+    from surefoot.missions.bench_campaign import Campaign
+    from surefoot.missions.bench_quadruped import measure
+    from surefoot.missions.bench_tables import nearest_rows, turned_rows
+    from surefoot.viewer.quadruped_ways import draw_ways
+
+    campaign = Campaign(work / "campaign", ("rebar-7",), range(QUADRUPED_SEEDS))
+    found = measure(campaign)
+    for picture in draw_ways(campaign, found, work / "ways"):
+        keep(picture, f"quadruped_{picture.stem}")
+    nearest = (
+        f"| {one.scene}{', thinned' if one.thinned else ''} | {one.planner} | {one.whole} of {one.ways} "
+        f"| {one.out_of_reach:.1%} | {one.off_polygon:.1%} |"
+        for one in nearest_rows(found.straight)
+    )
+    turned = (
+        f"| {one.scene} | {one.angle_deg} | {one.polygons:.1f} | {one.binaries:.0f} "
+        f"| {one.least_ms or 0:.0f}, {one.mean_ms or 0:.0f}, {one.most_ms or 0:.0f} |"
+        for one in turned_rows(found.turned)
+    )
+    slowest = max((one.first_ms or 0.0 for one in found.detours), default=0.0)
+    return {
+        "slowest": f"{slowest:.1f}",
+        "nearest": "\n".join(nearest),
+        "turned": "\n".join(turned),
+        "seeds": QUADRUPED_SEEDS,
+    }
+
+
 def classes(work: Path) -> None:
     """Draw terrain classes."""
     from surefoot.skills.classes import class_set
@@ -151,7 +182,7 @@ def main() -> None:
     PICTURES.mkdir(parents=True, exist_ok=True)
     numbers: dict[str, dict[str, object]] = {}
     steps: tuple[Callable[[Path], dict[str, object] | None], ...]
-    steps = (mission, regions, footholds, classes, photographs, baselines)
+    steps = (mission, regions, footholds, classes, photographs, baselines, quadruped)
     with tempfile.TemporaryDirectory() as folder:
         for step in steps:
             print(step.__name__, flush=True)

@@ -186,7 +186,7 @@ def test_misses_count_only_where_there_is_a_way_and_say_what_refuted_them() -> N
 
 
 def test_figures_hold_the_numbers_of_the_issue() -> None:
-    figures = {one.what.removeprefix("quadruped unstructured-8"): one for one in quadruped_figures(measured())}
+    figures = {one.what.removeprefix("unstructured-8"): one for one in quadruped_figures(measured())}
     assert figures[": maps with a way"].measured == 2
     assert figures[": goals missed although there is a way"].met is False
     assert figures[": starts that are no place to stand"].measured == 1
@@ -195,9 +195,11 @@ def test_figures_hold_the_numbers_of_the_issue() -> None:
     assert figures[": these with collision, mean CPU"].measured == 100
     assert figures[": the same without, mean CPU"].measured == 25
     assert figures[": binaries of the same without"].measured == 120
-    assert figures[", obstacle appears: first other strategy, median CPU"].measured == pytest.approx(3.9)
-    assert figures[", obstacle appears: the same, worst"].met is False
-    assert figures[", obstacle appears: of these, physics was asked"].measured == 1
+    appears = ", obstacle appears: other strategy,"
+    assert figures[f"{appears} skills at hand (1), CPU, median"].measured == pytest.approx(0.8)
+    assert figures[f"{appears} skills at hand (1), CPU, worst"].met is True
+    assert figures[f"{appears} new skills (1), CPU, worst"].measured == 7
+    assert figures[f"{appears} new skills (1), CPU, worst"].met is None
 
 
 def test_the_tables_sum_over_seeds() -> None:

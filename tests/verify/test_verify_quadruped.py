@@ -168,6 +168,78 @@ def test_a_strategy_through_an_obstacle_is_refused(run: Path) -> None:
     assert "quadruped, labels" in rules(run)
 
 
+@pytest.mark.parametrize(
+    ("number", "cell", "label"), [(0, (0, 1), "dense"), (0, (2, 0), "gap"), (-1, (1, 1), "sparse")]
+)
+def test_a_class_that_is_not_measured_is_refused(run: Path, number: int, cell: tuple[int, int], label: str) -> None:
+    def relabelled(one: Record) -> None:
+        row, column = cell
+        assert one["labels"][row][column] != label
+        one["labels"][row][column] = label
+
+    doctored(run, "request", number, relabelled)
+    assert "quadruped, labels" in rules(run)
+
+
+def test_ground_that_was_moved_has_other_classes(run: Path) -> None:
+    path = run.parent / "field.yaml"
+    text = path.read_text()
+    assert text.count("[[0.8000, 0.8000, 0], [1.6000, 0.8000, 0]") == 1
+    path.write_text(
+        text.replace("[[0.8000, 0.8000, 0], [1.6000, 0.8000, 0]", "[[0.8000, 1.3000, 0], [1.6000, 1.3000, 0]")
+    )
+
+    def rehash(one: Record) -> None:
+        one["terrain"]["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
+
+    doctored(run, "header", 0, rehash)
+    assert "quadruped, labels" in rules(run)
+
+
+def test_a_strategy_is_not_followed_after_the_ground_has_changed(run: Path) -> None:
+    hole = {"at_segment": 0, "hole_m": [[0.9, 0.1], [1.5, 0.7]]}
+    doctored(run, "header", 0, lambda one: one["events"].append(hole))
+    path = run / "run.jsonl"
+    lines = path.read_text().splitlines()
+    first = next(k for k, line in enumerate(lines) if '"record": "segment"' in line)
+    lines.insert(first, json.dumps({"record": "event", "before_segment": 0, "event": hole, "stands": None}))
+    path.write_text("\n".join(lines) + "\n")
+    assert "quadruped, assumption" in rules(run)
+
+
+def test_an_event_has_its_place_in_the_log(run: Path) -> None:
+    doctored(run, "event", 0, lambda one: one.update(before_segment=7))
+    assert rules(run) == {"quadruped, event"}
+
+
+def test_a_library_with_states_of_another_map_is_refused(run: Path) -> None:
+    path = run.parent / "library" / "library.json"
+    library = json.loads(path.read_text())
+    state = next(one for one in library["states"] if any("dense" in row for row in one))
+    state[:] = [["sparse" if label == "dense" else label for label in row] for row in state]
+    path.write_text(json.dumps(library))
+    report = verify_path(path)
+    assert "skills, classes" in {finding.rule for finding in report.findings}
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("classes", ["flat", "dense", "sparse"]), ("made_with", {"robot": "chotu"}), ("terrain", {"grid": [5, 5]})],
+)
+def test_what_a_library_says_about_its_terrain_is_checked(run: Path, key: str, value: Any) -> None:
+    path = run.parent / "library" / "library.json"
+    library = json.loads(path.read_text())
+    library[key] = {**library[key], **value} if isinstance(value, dict) else value
+    path.write_text(json.dumps(library))
+    with contextlib.suppress(InputError):
+        assert "skills, terrain" in {finding.rule for finding in verify_path(path).findings}
+
+
+def test_a_request_for_an_obstacle_is_refused(run: Path) -> None:
+    doctored(run, "request", -1, lambda one: one.update(request=[9, 9]))
+    assert "quadruped, request" in rules(run)
+
+
 def test_a_move_that_failed_may_not_be_made_again(run: Path) -> None:
     path = run / "run.jsonl"
     lines = path.read_text().splitlines()

@@ -84,7 +84,7 @@ def run_folder(plan: Path, document: dict[str, Any], tmp_path: Path) -> Path:
         "plan": {"path": "segment.json", "sha256": sha256},
     }
     records = [
-        {"record": "header", "kind": "quadruped-run", "format": 1},
+        {"record": "header", "kind": "quadruped-run", "format": 1, "terrain": {"path": "gone", "sha256": "0" * 64}},
         {**segment, "number": 0, "start_s": 1.0},
         {"record": "event", "event": {"at_segment": 1, "push_m": [-0.6, 0.0]}},
         {**segment, "number": 1, "start_s": 5.0},

@@ -66,7 +66,7 @@ def wait_for_base(opened: Opened, run_folder: Path) -> tuple[float, float, float
 @pytest.mark.xdist_group("browser")
 def test_the_scene_follows_the_segments(opened: Opened, run_folder: Path, lines: list[str]) -> None:
     before = wait_for_base(opened, run_folder)
-    polygons, footholds = len(opened.nodes("/terrain/")), len(opened.nodes("/footholds/"))
+    way_points, footholds = len(opened.nodes("/way_points/")), len(opened.nodes("/footholds/"))
     rest = "".join(lines[1 + next(_segments(lines)) :])
     with (run_folder / "run.jsonl").open("a") as stream:
         for part in (rest[:40], rest[40:]):  # first a record that is not whole yet
@@ -75,7 +75,8 @@ def test_the_scene_follows_the_segments(opened: Opened, run_folder: Path, lines:
             opened.page.wait_for_timeout(600)
     after = wait_for_base(opened, run_folder)
     assert after[0] > before[0] + 0.5
-    assert len(opened.nodes("/terrain/")) >= polygons
+    assert len(opened.nodes("/way_points/")) >= way_points > 0
+    assert opened.nodes("/ground/")
     assert len(opened.nodes("/footholds/")) > footholds
 
 

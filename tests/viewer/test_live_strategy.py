@@ -78,8 +78,8 @@ def nodes_of(book: StrategyBook, source: PlanSource, asked: Question) -> set[str
     return {f"/orders/{at.row}_{at.column}/{str(order).replace(' ', '_')}" for at, order in found.items()}
 
 
-def arrows(opened: Opened) -> set[str]:
-    return {name for name in opened.nodes("/orders/") if name.count("/") == 3}
+def leaves(opened: Opened, prefix: str) -> set[str]:
+    return {name for name in opened.nodes(prefix) if name.count("/") == 3}
 
 
 @pytest.mark.xdist_group("browser")
@@ -92,9 +92,9 @@ def test_the_scene_shows_the_orders_and_what_is_known(
     view.ask(asked)
     opened.wait(f"document.body.innerText.includes('order: {view.book.orders(asked)[asked.cell or 0]}')")
     opened.page.wait_for_timeout(500)
-    assert arrows(opened) == nodes_of(view.book, source, asked)
-    assert len([name for name in opened.nodes("/belief/") if name.count("/") == 3]) == max(sizes)
-    assert not opened.nodes("/obstacles/")
+    assert leaves(opened, "/orders/") == nodes_of(view.book, source, asked)
+    assert len(leaves(opened, "/belief/")) == max(sizes)
+    assert not leaves(opened, "/obstacles/")
 
 
 @pytest.mark.xdist_group("browser")
@@ -108,7 +108,7 @@ def test_a_dropdown_changes_the_answer(looked: tuple[StrategyView, Opened], sour
     opened.wait("document.body.innerText.includes('cells in which this can be known')")
     assert view.asked == replace(before, cell=None)
     opened.page.wait_for_timeout(500)
-    assert arrows(opened) == nodes_of(view.book, source, view.asked)
+    assert leaves(opened, "/orders/") == nodes_of(view.book, source, view.asked)
     assert opened.page.evaluate(BOXES)[1:3] == ["east", "anywhere"]
     assert opened.errors == []
     assert {url.split("/")[2].split(":")[0] for url in opened.requests if url.startswith(("http", "ws"))} == {HOST}

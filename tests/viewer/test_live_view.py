@@ -100,7 +100,7 @@ def test_a_port_in_use_is_one_sentence(run_folder: Path, capsys: pytest.CaptureF
 
 def test_what_cannot_be_followed_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["view", str(tmp_path), "--follow"]) == 2
-    assert "run.jsonl: does not exist" in capsys.readouterr().err
+    assert "is none of these: the folder of a run (run.jsonl)" in capsys.readouterr().err
     assert main(["view", str(tmp_path), "--port", "8080"]) == 2
     assert "--port belongs to --follow" in capsys.readouterr().err
 

@@ -12,9 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
+from scipy.spatial.transform import Rotation
 
 from surefoot.cli import main
 from surefoot.footholds import read_problem, solve, write_plan
+from surefoot.robots import quadruped
+from surefoot.robots.legs import JOINTS, legs
 from surefoot.viewer.replay import read_timeline
 from synthetic_run import CELL_M, HIDDEN, write_run
 
@@ -106,6 +109,31 @@ def test_a_foothold_plan_is_recorded(tmp_path: Path, request: pytest.FixtureRequ
         for arrow, force in zip(message.markers, motion["forces_n"][sample], strict=True):
             rise_m = arrow.points[1].z - arrow.points[0].z if arrow.points else 0.0
             assert 300 * rise_m == pytest.approx(force[2], abs=1e-6)
+
+
+def test_joint_states_put_the_feet_where_the_plan_has_them(
+    tmp_path: Path, request: pytest.FixtureRequest, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan, leg = tmp_path / "plan.json", legs(quadruped("go2"))
+    problem = read_problem(request.config.rootpath / "scenes" / "footholds" / "stones.yaml")
+    write_plan(plan, problem, solve(problem))
+    document = json.loads(plan.read_text())
+    document["motion"]["feet_m"][10][2][2] -= 0.5  # no leg is as long as that
+    plan.write_text(json.dumps(document))
+    assert main(["view", str(plan), "--mcap", str(tmp_path / "plan.mcap"), "--json"]) == 0
+    (remark,) = json.loads(capsys.readouterr().out)["remarks"]
+    assert "are out of the legs' reach" in remark
+    recorded, motion = read(tmp_path / "plan.mcap"), document["motion"]
+    assert len(recorded["/joint_states"]) == len(motion["base_m"])
+    for sample, (time_s, state) in enumerate(recorded["/joint_states"]):
+        assert time_s == pytest.approx(sample * document["values"]["step_s"], abs=1e-8)
+        assert tuple(state.name) == JOINTS
+        frames = {one.child_frame_id: one.transform for one in recorded["/tf"][sample][1].transforms}
+        turn, place = frames["base"].rotation, frames["base"].translation
+        axes = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).as_matrix()
+        feet_m = leg.feet_m(np.array(state.position).reshape(1, 4, 3))[0] @ axes.T + (place.x, place.y, place.z)
+        away_m = np.linalg.norm(feet_m - motion["feet_m"][sample], axis=1)
+        assert np.flatnonzero(away_m > 1e-3).tolist() == ([2] if sample == 10 else [])
 
 
 def test_without_the_packages_it_says_how_to_get_them(

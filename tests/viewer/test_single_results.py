@@ -49,7 +49,7 @@ def test_a_foothold_plan_is_drawn_beside_it(tmp_path: Path, request: pytest.Fixt
 @pytest.mark.parametrize(
     ("content", "complaint"),
     [
-        ('{"kind": "gr1-strategy"}', "is no kind that can be drawn; allowed are foothold-plan and step-region"),
+        ('{"kind": "zebra"}', "is no kind that can be drawn; allowed are foothold-plan, step-region,"),
         ("[1, 2]", "is no kind that can be drawn"),
         ("{", "cannot be read as JSON"),
         ('{"kind": "foothold-plan", "format": 9}', "is no foothold plan of format 1"),

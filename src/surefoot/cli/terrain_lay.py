@@ -15,7 +15,7 @@ from surefoot.cli.run_quadruped import place
 if TYPE_CHECKING:
     from surefoot.skills.blocking import Barrier
     from surefoot.skills.classes import ClassSet
-    from surefoot.skills.laying import Lay
+    from surefoot.skills.laid_cells import Lay
 
 
 def lay(
@@ -31,7 +31,9 @@ def lay(
     ] = None,
     yaw_deg: Annotated[
         float | None,
-        typer.Option("--yaw", help="Heading of the robot on the scan, in degrees; default: up the steps, or to the goal."),
+        typer.Option(
+            "--yaw", help="Heading of the robot on the scan, in degrees; default: up the steps, or to the goal."
+        ),
     ] = None,
     start: Annotated[
         str | None, typer.Option(metavar="X,Y", help="Where the robot starts, in metres of the scan.")

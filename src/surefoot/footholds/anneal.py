@@ -2,14 +2,14 @@
 
 With the polygons of all footsteps given a program has no choices left, so that it is solved once, and once more with
 the forces as unknowns where friction or torque press. That is a fraction of what the search over all polygons takes;
-the polygons themselves are changed at random instead. Simulated annealing in rounds that grow, from a fixed seed:
-nothing depends on time.
+the polygons themselves are changed at random instead, and searched at the end of a round. Simulated annealing in rounds
+that grow, from a fixed seed: nothing depends on time.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,13 +20,15 @@ from surefoot.footholds.moves import proposal
 from surefoot.footholds.nodes import ReducedProgram, WholeProgram
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.rows import Array
-from surefoot.footholds.solve import slack
+from surefoot.footholds.solve import cheapest, slack
 
-_HOT, _COLD = 0.02, 5e-4
+_HOT, _COLD = 0.05, 5e-4
 _FIRST_ROUND, _GROWTH = 200, 1.5
 _POLYGON_SHARE = 0.25
 _NEAR_M = 0.4
 _AGAIN = 0.25
+_POLISH_GAP = 2e-3
+_MOST_KEPT = 20_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,109 +48,141 @@ class Trial:
     feet: Array
 
 
-def tried(problem: Problem, cells: Cells, choice: Choice, worth: float, parts: Parts) -> Trial | None:
-    """Return the plan of a contact table with given polygons, or None when it costs as much as ``worth``."""
-    at = fixed(problem, cells)
-    program: ReducedProgram | WholeProgram
-    if problem.options.moment_balance:
-        program = WholeProgram(at)
-        node = program.solve(choice)
-    else:
-        program = ReducedProgram(at, forces=False, parts=parts)
-        node = program.solve(choice)
-        if node.answer.feasible and node.answer.value < worth and not slack(at, program, choice, node):
-            node = ReducedProgram(at, forces=True, parts=parts).solve(choice)
-    if not node.answer.feasible or not node.answer.value < worth:
-        return None
-    return Trial(cells, choice, node.answer.value, node.feet)
-
-
-def polygons_for(problem: Problem, before: Trial, cells: Cells) -> Choice:
-    """Return polygons for the footsteps of a contact table: those on which each foot stood about then."""
-    old, new = fixed(problem, before.cells), fixed(problem, cells)
-    support = old.support_index
-    found = []
-    for step in new.footsteps:
-        stood = support[:, step.foot]
-        middle = (step.touch + step.leave) // 2
-        held = np.flatnonzero(stood > -2)
-        number = int(stood[held[np.abs(held - middle).argmin()]])
-        found.append(before.choice[number] if number >= 0 else (problem.start_polygons[step.foot],))
-    return tuple(found)
-
-
 class Annealing:
-    """A walk from plan to plan.
+    """A walk from plan to plan, begun by ``offer``.
 
     Args:
-        problem: its gait is free, and there are no windows of collision avoidance.
-        start: the first plan.
+        problem: its gait is free.
         parts: of the programs.
+        stop: asked in the middle of long searches.
+
+    Attributes:
+        idle: how many steps in a row came to what was known.
     """
 
-    def __init__(self, problem: Problem, start: Trial, parts: Parts) -> None:
-        self.problem, self.parts = problem, parts
-        self.here = self.best = start
+    def __init__(self, problem: Problem, parts: Parts, stop: Callable[[], bool]) -> None:
+        self.problem = replace(problem, options=replace(problem.options, gap=_POLISH_GAP, first_plan=False))
+        self.parts, self.stop = parts, stop
+        self.here: Trial | None = None
+        self.best: Trial | None = None
+        self.polished: Trial | None = None
         self.chance = np.random.default_rng(0)
-        self.done, self.length = 0, _FIRST_ROUND
-        self.failed: dict[tuple[bytes, Choice], float] = {}
+        self.done, self.length, self.idle, self.programs = 0, _FIRST_ROUND, 0, 0
+        self.known: dict[tuple[bytes, Choice], Trial | float] = {}
 
-    def offer(self, found: Trial) -> None:
+    def offer(self, cells: Cells, choice: Choice, value: float) -> None:
         """Go on from a plan that was found elsewhere, when it is better than all so far."""
-        if found.value < self.best.value:
-            self.here = self.best = found
+        if self.best is None or value < self.best.value:
+            found = self._tried(cells, choice, np.inf)
+            self.here = self.best = found or self.best
+
+    def take_count(self) -> int:
+        """Return how many contact tables were tried since this was last asked."""
+        count, self.programs = self.programs, 0
+        return count
 
     def step(self) -> Trial | None:
         """Try one change; return the plan when it is the best so far."""
+        if self.here is None or self.best is None:
+            return None
+        self.done += 1
+        if self.done > self.length:
+            self.done, self.length = 0, int(self.length * _GROWTH)
+            return self._polish()
         heat = _HOT * (_COLD / _HOT) ** (self.done / self.length)
         worth = self.here.value - heat * self.best.value * float(np.log(max(self.chance.random(), 1e-12)))
-        self._count()
-        changed = self._changed()
-        if changed is None:
-            return None
-        key = (changed[0].tobytes(), changed[1])
-        if self.failed.get(key, -np.inf) >= worth:
-            return None
-        found = tried(self.problem, *changed, worth, self.parts)
+        changed = self._changed(self.here)
+        self.idle += 1
+        found = None if changed is None else self._looked_up(*changed, worth)
         if found is None:
-            self.failed[key] = worth
             return None
         self.here = found
-        if found.value < self.best.value:
+        return self._better(found)
+
+    def _better(self, found: Trial) -> Trial | None:
+        if self.best is None or found.value < self.best.value:
             self.best = found
             return found
         return None
 
-    def _count(self) -> None:
-        self.done += 1
-        if self.done > self.length:
-            self.done, self.length = 1, int(self.length * _GROWTH)
-            self.here = self.best
+    def _polish(self) -> Trial | None:
+        """End a round: go back to the best plan, and search its polygons."""
+        assert self.best is not None
+        self.here = before = self.best
+        if self.polished is before or self.stop():
+            return None
+        at, worth = fixed(self.problem, before.cells), before.value * (1 - _POLISH_GAP)
+        _, choice, _ = cheapest(at, cancelled=self.stop, worth=worth, parts=self.parts)
+        found = None if choice is None else self._tried(before.cells, choice, before.value)
+        self.polished = self.here = found or before
+        return None if found is None else self._better(found)
 
-    def _changed(self) -> tuple[Cells, Choice] | None:
+    def _looked_up(self, cells: Cells, choice: Choice, worth: float) -> Trial | None:
+        key = (cells.tobytes(), choice)
+        known = self.known.get(key, -np.inf)
+        if isinstance(known, Trial):
+            return known if known.value < worth else None
+        if known >= worth:
+            return None
+        self.idle = 0
+        found = self._tried(cells, choice, worth)
+        if len(self.known) < _MOST_KEPT:
+            self.known[key] = worth if found is None else found
+        return found
+
+    def _tried(self, cells: Cells, choice: Choice, worth: float) -> Trial | None:
+        """Return the plan of a contact table with given polygons, or None when it costs as much as ``worth``."""
+        at = fixed(self.problem, cells)
+        self.programs += 1
+        program: ReducedProgram | WholeProgram
+        if at.options.moment_balance:
+            program = WholeProgram(at)
+            node = program.solve(choice)
+        else:
+            program = ReducedProgram(at, forces=False, parts=self.parts)
+            node = program.solve(choice)
+            if node.answer.feasible and node.answer.value < worth and not slack(at, program, choice, node):
+                node = ReducedProgram(at, forces=True, parts=self.parts).solve(choice)
+        if not node.answer.feasible or not node.answer.value < worth:
+            return None
+        return Trial(cells, choice, node.answer.value, node.feet)
+
+    def _changed(self, here: Trial) -> tuple[Cells, Choice] | None:
         """Return another contact table, or another polygon for one footstep."""
         if self.chance.random() < _POLYGON_SHARE:
-            moved = self._stepped_elsewhere()
+            moved = self._stepped_elsewhere(here)
             if moved is not None:
-                return self.here.cells, moved
-        cells = proposal(self.here.cells, self.problem.options.min_dwell_cells, self.chance)
+                return here.cells, moved
+        cells = proposal(here.cells, self.problem.options.min_dwell_cells, self.chance)
         if cells is not None and self.chance.random() < _AGAIN:
             cells = proposal(cells, self.problem.options.min_dwell_cells, self.chance)
-        return None if cells is None else (cells, polygons_for(self.problem, self.here, cells))
+        return None if cells is None else (cells, polygons_for(self.problem, here, cells))
 
-    def _stepped_elsewhere(self) -> Choice | None:
-        """Return the choice with one footstep, and perhaps the one before or after, on a polygon nearby."""
-        steps = fixed(self.problem, self.here.cells).footsteps
+    def _stepped_elsewhere(self, here: Trial) -> Choice | None:
+        """Return the choice with one footstep on another polygon nearby."""
+        steps = fixed(self.problem, here.cells).footsteps
         if not steps:
             return None
         number = int(self.chance.integers(len(steps)))
-        point = self.here.feet[steps[number].touch, steps[number].foot]
+        point = here.feet[steps[number].touch, steps[number].foot]
         near = [
             r
             for r, one in enumerate(self.problem.polygons)
-            if (r,) != self.here.choice[number] and float(np.linalg.norm(one.nearest(point) - point)) < _NEAR_M
+            if (r,) != here.choice[number] and float(np.linalg.norm(one.nearest(point) - point)) < _NEAR_M
         ]
         if not near:
             return None
-        chosen = (int(self.chance.choice(near)),)
-        return (*self.here.choice[:number], chosen, *self.here.choice[number + 1 :])
+        return (*here.choice[:number], (int(self.chance.choice(near)),), *here.choice[number + 1 :])
+
+
+def polygons_for(problem: Problem, before: Trial, cells: Cells) -> Choice:
+    """Return polygons for the footsteps of a contact table: those on which each foot stood about then."""
+    support = fixed(problem, before.cells).support_index
+    found = []
+    for step in fixed(problem, cells).footsteps:
+        stood = support[:, step.foot]
+        held = np.flatnonzero(stood > -2)
+        middle = (step.touch + step.leave) // 2
+        number = int(stood[held[np.abs(held - middle).argmin()]])
+        found.append(before.choice[number] if number >= 0 else (problem.start_polygons[step.foot],))
+    return tuple(found)

@@ -24,8 +24,8 @@ from surefoot.footholds.model import (
     torque_rows,
 )
 from surefoot.footholds.problem import Problem
-from surefoot.footholds.reduction import leg_size, reduced_motion
-from surefoot.footholds.rows import FAMILIES, Array, Cost, CostBuilder, Index, RowBuilder, Rows, squared
+from surefoot.footholds.reduction import base_motion, leg_size, reduced_motion
+from surefoot.footholds.rows import FAMILIES, Array, Cost, CostBuilder, Index, Quantity, RowBuilder, Rows, squared
 from surefoot.footholds.terrain import Hull, cone_hull, hull_of
 
 _REGION, _CLEARANCE = FAMILIES.index("region"), FAMILIES.index("clearance")
@@ -72,21 +72,20 @@ class Parts:
     """What the programs of one problem share, whatever the gait.
 
     Args:
-        problem: with any gait that is given.
+        problem: its gait may be free.
     """
 
     def __init__(self, problem: Problem) -> None:
-        motion = reduced_motion(problem, forces=False)
-        self.base_size = motion.size - sum(leg_size(problem, foot, forces=False) for foot in range(4))
+        base, acceleration, self.base_size = base_motion(problem)
         self.legs: dict[tuple[int, bool, bytes], Leg] = {}
         self.steps: dict[tuple[object, ...], Rows] = {}
         self.hulls: dict[tuple[int, ...], Hull] = {}
         self.cones: dict[tuple[int, ...], Array] = {}
         cost, pulled = CostBuilder(self.base_size), RowBuilder(self.base_size)
-        base_cost(cost, problem, motion)
+        base_cost(cost, problem, base, acceleration)
         self.base_cost = cost.cost()
         mass, pull = problem.robot.mass_kg, problem.robot.mass_kg * gravity(problem)
-        terms = [(mass * np.asarray(factor), quantity) for factor, quantity in motion.base_acceleration]
+        terms = [(mass * np.asarray(factor), quantity) for factor, quantity in acceleration]
         where = (np.arange(problem.samples)[:, None], np.arange(3))
         pulled.add("dynamics", pull, pull, terms, where=where)
         self.pulled = pulled.rows()
@@ -117,15 +116,13 @@ class Assembly:
         return self.parts.legs[key]
 
     def _cut(self, key: tuple[int, bool, bytes], foot: int, size: int) -> Leg:
-        costs, rows, first = CostBuilder(self.motion.size), RowBuilder(self.motion.size), self.firsts[foot]
-        leg_cost(costs, self.problem, self.motion, [foot])
+        costs, rows, first = CostBuilder(size), RowBuilder(self.motion.size), self.firsts[foot]
+        leg_cost(costs, self.problem, _numbered_from(self.motion, first), [foot])
         reach_rows(rows, self.problem, self.motion, [foot])
         clearance_rows(rows, self.problem, self.motion, [foot])
         if self.forces:
             torque_rows(rows, self.problem, self.motion, [foot])
-        whole, own = costs.cost(), slice(first, first + size)
-        cost = Cost(whole.hessian[own, own], whole.linear[own], whole.constant, whole.curvature[own])
-        return Leg(key, first, size, self.numbers[foot], cost, rows.rows())
+        return Leg(key, first, size, self.numbers[foot], costs.cost(), rows.rows())
 
     def cost(self) -> Cost:
         """Return the cost: of the base, with the forces where equal shares are understood, and of every foot."""
@@ -212,6 +209,20 @@ class Assembly:
         if left not in self.parts.cones:
             self.parts.cones[left] = cone_hull([self.problem.polygons[r] for r in left])
         return self.parts.cones[left]
+
+
+def _numbered_from(motion: Motion, first: int) -> Motion:
+    """Return a motion whose unknowns from a place on are numbered from 0: for a foot that begins there."""
+
+    def numbered(quantity: Quantity) -> Quantity:
+        return Quantity(np.where(quantity.index >= 0, quantity.index - first, -1), quantity.value)
+
+    return replace(
+        motion,
+        feet=numbered(motion.feet),
+        feet_acceleration=tuple((factor, numbered(quantity)) for factor, quantity in motion.feet_acceleration),
+        force=None if motion.force is None else numbered(motion.force),
+    )
 
 
 def _moved(parts: Sequence[Part], base_size: int, size: int) -> Rows:

@@ -1,4 +1,4 @@
-"""Finds the gait: templates first, then a bound over all gaits, and gaits that its prices and small changes suggest.
+"""Finds the gait: templates first, then annealing from the best plan, by turns with a bound over all gaits.
 
 Zhou et al. 2025, VI-D, Eqs. (21)-(28), as the least over all contact tables of the gait-fixed program. Nothing depends
 on time, except when to stop.
@@ -12,14 +12,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surefoot.footholds.anneal import Annealing
 from surefoot.footholds.ascent import Ascent, even_prices, prices_of_node
+from surefoot.footholds.assembly import Parts
 from surefoot.footholds.cells import Cells, cell_count, fixed, gait_of
 from surefoot.footholds.decide import Decided, decided_exactly, decided_quickly
 from surefoot.footholds.dual import Prices, Pricing
-from surefoot.footholds.flips import kicks, neighbours
 from surefoot.footholds.model import Choice
 from surefoot.footholds.orientation import turning
-from surefoot.footholds.pool import FIRST, GUESSED, LAST, LATER, NEAR, Pool
+from surefoot.footholds.pool import FIRST, GUESSED, LAST, LATER, Pool
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.proof import turning_multipliers
 from surefoot.footholds.solve import FreeAnswer, Solution, cheapest, load_backends, no_plan, solve
@@ -29,12 +30,14 @@ _COMPARE_GAP = 1e-3
 _GUESSED = 12
 _ROUND = 30
 _GUIDE_BOXES, _BOUND_BOXES = 16, 32
-_TRIES_PER_ROUND = 12
+_TRIES_PER_ROUND = 2
+_CHANGES_PER_ROUND = 150
 _TRIES_BEFORE_DOUBT = 13
 _TRIES_BEFORE_EXACT = 160
 _SURE = 1.02
 _MARGIN = 4e-3
-_KICKS, _MOST_IDLE = 60, 20
+_MOST_IDLE = 2000
+_LAST_S = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +75,7 @@ class _Search:
         self.first_objective: float | None = None
         self.bound = -np.inf
         self.prices: Prices | None = None
+        self.parts = Parts(problem)
 
     def stop(self) -> bool:
         if self.cancelled():
@@ -143,7 +147,7 @@ class _Search:
         self.tried += 1
         at = self.fixed(cells)
         worth = np.inf if self.found is None else self.found.value
-        value, choice, node = cheapest(at, cancelled=self.stop, worth=worth)
+        value, choice, node = cheapest(at, cancelled=self.stop, worth=worth, parts=self.parts)
         prices = None if node is None or node.motion is None else prices_of_node(at, node)
         if choice is None or value >= worth:
             return prices
@@ -153,8 +157,6 @@ class _Search:
                 return prices
             self.first_s, self.first_objective = self.elapsed_s(), checked.objective
         self.found = Found(cells, choice, value, origin)
-        self.pool.defer(NEAR, LATER)
-        self.pool.add((("flips", near) for near in neighbours(cells, self.problem.options.min_dwell_cells)), NEAR)
         return prices
 
     def improve(self, guide: Pricing) -> None:
@@ -163,19 +165,26 @@ class _Search:
         exact = Pricing(self.problem, _BOUND_BOXES)
         ascent = Ascent(guide, even_prices(self.problem))
         self.prove(exact, even_prices(self.problem))
-        chance, idle = np.random.default_rng(0), 0
-        while not self.stop() and not self.close:
+        annealing = Annealing(self.problem, self.parts, self.stop)
+        while not self.stop() and not self.close and annealing.idle < _MOST_IDLE:
             for _ in range(_TRIES_PER_ROUND):
                 if self.stop() or self.close or not self.try_next():
                     break
+            self.anneal(annealing)
             if not ascent.stuck:
                 self.climb(ascent, exact)
-            elif not self.pool.tables:
-                near = kicks(self.found.cells, self.problem.options.min_dwell_cells, chance, _KICKS)
-                self.pool.add((("kicks", cells) for cells in near), LATER)
-                idle = 0 if self.pool.tables else idle + 1
-                if idle > _MOST_IDLE:
-                    return
+
+    def anneal(self, annealing: Annealing) -> None:
+        """Change the best plan at random for a while."""
+        assert self.found is not None
+        annealing.offer(self.found.cells, self.found.choice, self.found.value)
+        for _ in range(_CHANGES_PER_ROUND):
+            if self.stop() or self.close:
+                return
+            better = annealing.step()
+            if better is not None:
+                self.found = Found(better.cells, better.choice, better.value, "annealing")
+        self.tried += annealing.take_count()
 
     def climb(self, ascent: Ascent, exact: Pricing) -> None:
         """Raise the bound for a while, and try what its prices suggest."""

@@ -127,7 +127,7 @@ def cost_of(problem: Problem, motion: Motion) -> Cost:
     Where the motion has no forces, the feet in contact share them equally, which is the least that they can cost.
     """
     build, weights = CostBuilder(motion.size), problem.weights
-    base_cost(build, problem, motion)
+    base_cost(build, problem, motion.base, motion.base_acceleration)
     leg_cost(build, problem, motion)
     if motion.orientation is not None and motion.angular_acceleration is not None:
         build.add(weights.orientation, [(1.0, motion.orientation)], problem.rpy_reference_rad)
@@ -140,10 +140,10 @@ def cost_of(problem: Problem, motion: Motion) -> Cost:
     return build.cost()
 
 
-def base_cost(build: CostBuilder, problem: Problem, motion: Motion) -> None:
+def base_cost(build: CostBuilder, problem: Problem, base: Quantity, acceleration: Sequence[Term]) -> None:
     """Add the cost of the base's path."""
-    build.add(problem.weights.position, [(1.0, motion.base)], problem.base_reference_m)
-    build.add(problem.weights.acceleration, motion.base_acceleration, 0.0)
+    build.add(problem.weights.position, [(1.0, base)], problem.base_reference_m)
+    build.add(problem.weights.acceleration, acceleration, 0.0)
 
 
 def leg_cost(build: CostBuilder, problem: Problem, motion: Motion, feet: Sequence[int] = FEET) -> None:

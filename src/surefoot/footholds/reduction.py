@@ -19,9 +19,8 @@ from surefoot.footholds.rows import Array, Index, Quantity, Term
 
 def reduced_motion(problem: Problem, *, forces: bool) -> Motion:
     """Return the motion whose unknowns are base positions, swing points and footholds, and forces if wanted."""
-    base, count = at_rest(problem.samples, problem.start_m, problem.goal_m)
-    first = Quantity.unknown(np.arange(count, count + 3))
-    legs, count = [], count + 3
+    base, acceleration, count = base_motion(problem)
+    legs = []
     for foot in range(4):
         legs.append(_leg(problem, foot, count, forces=forces))
         count += leg_size(problem, foot, forces=forces)
@@ -29,11 +28,24 @@ def reduced_motion(problem: Problem, *, forces: bool) -> Motion:
     return Motion(
         size=count,
         base=base,
-        base_acceleration=_base_acceleration(problem, base, first),
+        base_acceleration=acceleration,
         feet=feet,
         feet_acceleration=differences(feet, problem.step_s),
         force=force if forces else None,
     )
+
+
+def base_motion(problem: Problem) -> tuple[Quantity, tuple[Term, ...], int]:
+    """Return r, the terms whose sum is rdd, and how many unknowns these have.
+
+    rdd is the second difference of r, and at sample 0 an unknown of its own, which only the cost and Newton see.
+    """
+    base, count = at_rest(problem.samples, problem.start_m, problem.goal_m)
+    first = np.broadcast_to(np.arange(count, count + 3), base.index.shape)
+    alone = np.zeros((problem.samples, 1))
+    alone[0] = 1.0
+    terms = (*differences(base, problem.step_s), (alone, Quantity.unknown(first.copy())))
+    return base, terms, count + 3
 
 
 def at_rest(size: int, start: Array, goal: Array) -> tuple[Quantity, int]:
@@ -81,11 +93,3 @@ def differences(position: Quantity, step_s: float) -> tuple[Term, ...]:
         (-rate * (1 + before), position[last]),
         (rate * before, position[earlier]),
     )
-
-
-def _base_acceleration(problem: Problem, base: Quantity, first: Quantity) -> tuple[Term, ...]:
-    """Return rdd: second differences, and at sample 0 an unknown of its own, which only the cost and Newton see."""
-    index = np.broadcast_to(first.index, base.index.shape)
-    alone = np.zeros((problem.samples, 1))
-    alone[0] = 1.0
-    return (*differences(base, problem.step_s), (alone, Quantity(index.copy(), np.zeros(index.shape))))

@@ -12,9 +12,10 @@ from functools import partial
 
 import numpy as np
 
-from surefoot.footholds import Gait, Options, Problem, Solution, retarget, retargeted, solve
+from surefoot.footholds import FreeGait, Gait, Options, Problem, Solution, retarget, retargeted, solve
 from surefoot.footholds.model import Choice
 from surefoot.footholds.problem import Array
+from surefoot.footholds.solve import no_plan
 from surefoot.missions.quadruped_ground import ground_between
 from surefoot.missions.quadruped_stance import STEP_S, Stance, heading_rpy_rad
 from surefoot.missions.quadruped_world import World
@@ -85,6 +86,11 @@ class Crossed:
         return bool(self.reason) and not self.reason.startswith(LIMIT)
 
     @property
+    def standing(self) -> bool:
+        """Whether there is a pose to end in."""
+        return self.solution is not None
+
+    @property
     def binaries(self) -> int:
         """How many binary variables the program of the paper would have."""
         problem = self.problem
@@ -98,7 +104,13 @@ class Crossed:
 
 
 def crossing(
-    robot: Quadruped, world: World, stance: Stance, there: Cell, quarter_turns: int, gait: Gait, limits: OnlineLimits
+    robot: Quadruped,
+    world: World,
+    stance: Stance,
+    there: Cell,
+    quarter_turns: int,
+    gait: Gait | FreeGait,
+    limits: OnlineLimits,
 ) -> Problem:
     """Return the program from where the robot stands to the centre of a cell, with a heading, before re-targeting."""
     ground = ground_between(world, stance.cell, there, stance.feet_m, collision=limits.collision)
@@ -119,8 +131,14 @@ def crossing(
     )
 
 
-def cross(problem: Problem, certificate: Certificate, limits: OnlineLimits) -> Crossed:
-    """Re-target and solve: a motion on the real polygons, or why there is none."""
+def cross(problem: Problem, certificate: Certificate | None, limits: OnlineLimits) -> Crossed:
+    """Re-target and solve: a motion on the real polygons, or why there is none.
+
+    Args:
+        problem: as ``crossing`` returns it.
+        certificate: of the skill; None to try a gait that none is known for.
+        limits: how hard to try.
+    """
     begin, clock = time.process_time(), time.perf_counter()
     found = retarget(problem)
     retarget_ms = 1e3 * (time.process_time() - begin)
@@ -132,10 +150,23 @@ def cross(problem: Problem, certificate: Certificate, limits: OnlineLimits) -> C
         )
     problem = retargeted(problem, found)
     begin = time.process_time()
+    problem = _with_gait(problem, limits)
+    if isinstance(problem.gait, FreeGait):
+        solve_ms = 1e3 * (time.process_time() - begin)
+        return done(problem, no_plan("unknown", "none", None), 0.0, solve_ms, reason=f"{LIMIT} no gait was found")
     solution = _solved(problem, guesses(problem, certificate), limits)
     solve_ms = 1e3 * (time.process_time() - begin)
     reason = "" if solution.verdict == "feasible" else _reason(solution)
     return done(problem, solution, found.shift_m or 0.0, solve_ms, reason=reason)
+
+
+def _with_gait(problem: Problem, limits: OnlineLimits) -> Problem:
+    """Return a problem whose gait is to be found with one that works; as it is where there is none in time."""
+    if not isinstance(problem.gait, FreeGait):
+        return problem
+    any_gait = replace(problem, options=replace(problem.options, first_plan=True))
+    found = solve(any_gait, cancelled=_budget(limits.time_limit_s), certify=False, why=False).free
+    return problem if found is None or found.gait is None else replace(problem, gait=found.gait)
 
 
 def _solved(problem: Problem, tried_first: tuple[Choice, ...], limits: OnlineLimits) -> Solution:
@@ -178,10 +209,10 @@ def _reason(solution: Solution) -> str:
     return f"{LIMIT} {solution.limit or 'no answer'}"
 
 
-def guesses(problem: Problem, certificate: Certificate) -> tuple[Choice, ...]:
+def guesses(problem: Problem, certificate: Certificate | None) -> tuple[Choice, ...]:
     """Return the polygons nearest to where the skill's own plan stepped; none where its gait is another one."""
     steps = problem.footsteps
-    if len(certificate.footholds_m) != len(steps):
+    if certificate is None or len(certificate.footholds_m) != len(steps):
         return ()
     last = problem.samples - 1
     nearest = []

@@ -61,13 +61,18 @@ class Log:
             source=handled.source,
             outcome=answer.outcome.value,
             strategy=_rows(handled),
-            new=[{"primitive": one.name, "plan": plans[one]} for one in answer.new if one in plans],
-            asked=[{"primitive": one.primitive.name, "verdict": one.verdict.value} for one in handled.checked],
+            **_checks([handled], plans),
             why=None if answer.why is None else answer.why.text,
             symbolic_ms=round(handled.symbolic_ms, 4),
         )
         if handled.source != "library":
             self.say(f"request {number}, {handled.source}: {answer.outcome.value}, {handled.symbolic_ms:.2f} ms")
+
+    def prepared(self, made: Sequence[Handled], plans: Mapping[Primitive, Mapping[str, str]]) -> None:
+        """Write which skills were made before the robot set out."""
+        checks = _checks(made, plans)
+        self.write("prepared", **checks, symbolic_ms=round(sum(one.symbolic_ms for one in made), 4))
+        self.say(f"before setting out: {len(checks['asked'])} skills asked for, {len(checks['new'])} made")
 
     def segment(
         self,
@@ -134,6 +139,13 @@ class Log:
         stands = None if landed is None else {"cell": landed.cell, "base_m": landed.base_m, "feet_m": landed.feet_m}
         self.write("event", before_segment=segment, event=event.described(), stands=stands)
         self.say(f"before segment {segment}: {event.what.value}")
+
+
+def _checks(made: Sequence[Handled], plans: Mapping[Primitive, Mapping[str, str]]) -> dict[str, list[dict[str, Any]]]:
+    """Return new skills with their certificates, and all that physics was asked."""
+    skills = [skill for one in made for skill in one.answer.new if skill in plans]
+    asked = [{"primitive": one.primitive.name, "verdict": one.verdict.value} for each in made for one in each.checked]
+    return {"new": [{"primitive": one.name, "plan": plans[one]} for one in skills], "asked": asked}
 
 
 def _rows(handled: Handled) -> list[list[Any]]:

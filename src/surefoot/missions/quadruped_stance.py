@@ -113,12 +113,23 @@ def _meets(vertices_m: Array, box: Rectangle) -> bool:
 
 
 def stance_about(robot: Quadruped, world: World, place_m: Point, quarter_turns: int) -> Stance | None:
-    """Return how the robot can stand nearest to a place of the map; None where it cannot."""
+    """Return how the robot can stand nearest to a place; None where it cannot, or outside of the map."""
+    if not _on_map(world, place_m):
+        return None
     problem = standing_problem(robot, world, place_m, quarter_turns)
     if not problem.polygons:
         return None
     found = retarget(problem)
     if found.position_m is None or found.feet_m is None:
         return None
-    cell = world.terrain.cell_at((float(found.position_m[0]), float(found.position_m[1])))
+    place_m = float(found.position_m[0]), float(found.position_m[1])
+    if not _on_map(world, place_m):
+        return None
+    cell = world.terrain.cell_at(place_m)
     return Stance(cell, quarter_turns % 4, found.position_m, found.feet_m)
+
+
+def _on_map(world: World, place_m: Point) -> bool:
+    terrain = world.terrain
+    (x, y), (rows, columns) = terrain.origin_m, terrain.cells
+    return 0 <= (place_m[0] - x) // terrain.cell_m < rows and 0 <= (place_m[1] - y) // terrain.cell_m < columns

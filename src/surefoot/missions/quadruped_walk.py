@@ -9,12 +9,14 @@ Source: Zhou et al. 2025, VII and VIII-B; docs/quadruped.md.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from surefoot.footholds.gaits import NAMED
+from surefoot.footholds.gaits import NAMED, FreeGait, Gait
+from surefoot.missions.quadruped_ahead import looked_ahead
 from surefoot.missions.quadruped_crossing import Certificate, Crossed, OnlineLimits, cross, crossing
 from surefoot.missions.quadruped_events import Event, Happening
 from surefoot.missions.quadruped_records import Log
@@ -29,8 +31,17 @@ from surefoot.skills.values import OBSTACLE, Cell, Primitive, TerrainState, Way
 Strategy = Mapping[Pose, Way | None]
 SETTLING = NAMED["trot-1s"]
 """The gait in which the robot steps in place."""
-OTHER_GAITS = ("trot-2s", "trot-3s", "leap-1.5s", "walk-2.25s")
-"""What is tried where the certificate's gait fails on the real polygons."""
+OTHER_GAITS: tuple[Gait | FreeGait, ...] = (
+    NAMED["trot-2s"],
+    NAMED["trot-2s-mirrored"],
+    NAMED["trot-3s"],
+    NAMED["trot-3s-mirrored"],
+    NAMED["leap-1.5s"],
+    NAMED["walk-2.25s"],
+    FreeGait(2.0),
+    FreeGait(3.0),
+)
+"""What is tried where the certificate's gait fails on the real polygons: the known gaits, and last any gait at all."""
 _SETTLED_M = 0.01
 
 
@@ -109,9 +120,11 @@ class QuadrupedWalk:
         self.segments: list[Segment] = []
         self.requests = 0
         self.checking_s = 0.0
+        self.delayed = -1
 
     def run(self) -> str:
         """Walk; return why the mission ended, empty if the goal was reached."""
+        self._prepare()
         while self.stance.cell != self.goal:
             if len(self.segments) >= self.most_segments:
                 return f"the limit of {self.most_segments} segments was reached"
@@ -119,6 +132,14 @@ class QuadrupedWalk:
             if problem:
                 return problem
         return ""
+
+    def _prepare(self) -> None:
+        """Have skills made that the way to the goal lacks, while the robot stands anyway."""
+        made = [one for one in looked_ahead(self.world, self.book, self._pose, self.goal) if one.checked]
+        for handled in made:
+            self._spend(handled)
+        if made:
+            self.log.prepared(made, self.book.new_plans)
 
     def _next_request(self) -> str:
         """Choose a way point, find a strategy, and roll it out; return why there is nothing to do, if so."""
@@ -128,16 +149,22 @@ class QuadrupedWalk:
         if state is None:
             return "the robot's own cell has become an obstacle"
         closed, refused = set(self.failed) | self.lost, self.book.knowledge.refused
+        begin_s = time.process_time()
         routes = Routes(self.world, self.goal, turns, refused, closed, self.book.turning)
         route = routes.route(cell)
+        self.clock = self.clock.planned(time.process_time() - begin_s)
         if route is None:
             return "no way leads to the goal: the global planner knows none that is not blocked or refused"
+        known = len(refused)
         for local in routes.wishes(cell, state, self.world.terrain.requests):
             found = self._strategy(state, local, route)
             if found is not None:
                 self._roll_out(state, found)
                 return ""
-        self._give_up(state)
+        if len(self.book.knowledge.refused) > known:
+            self._detour([])  # physics has refused what the way was made of
+        else:
+            self._give_up(state)
         return ""
 
     def _give_up(self, state: TerrainState) -> None:
@@ -152,8 +179,11 @@ class QuadrupedWalk:
             if after[0] != state.centre
         ]
         self.lost |= set(closed)
+        self._detour(closed)
+
+    def _detour(self, given_up: Sequence[Edge]) -> None:
         self.tally.detours += 1
-        self.log.write("detour", cell=self.stance.cell, given_up=[[one[0], other[0]] for one, other in closed])
+        self.log.write("detour", cell=self.stance.cell, given_up=[[one[0], other[0]] for one, other in given_up])
 
     @property
     def _pose(self) -> Pose:
@@ -178,6 +208,10 @@ class QuadrupedWalk:
         if handled.source == "library":
             return
         self.tally.repairs += 1
+        self._spend(handled)
+
+    def _spend(self, handled: Handled) -> None:
+        """Let the time pass that a strategy took to make."""
         self.tally.new_skills += len(handled.answer.new)
         times = self.tally.repair_ms if handled.checked else self.tally.resynthesis_ms
         times.append(handled.symbolic_ms)
@@ -251,35 +285,43 @@ class QuadrupedWalk:
         """
         certificate = self.book.certificate(primitive)
         begin_s = self.clock.planner_s
-        crossed = self._planned(target, certificate)
-        if crossed.infeasible and self._settled(begin_s):
+        crossed = self._planned(target, certificate.gait, certificate)
+        if crossed.infeasible and crossed.standing and self._settled(begin_s):
             begin_s = self.clock.planner_s
-            crossed = self._planned(target, certificate)
+            crossed = self._planned(target, certificate.gait, certificate)
         if crossed.infeasible:
             self.tally.contradictions += 1
-            crossed = self._with_another_gait(target, certificate) or crossed
+            another = self._with_another_gait(target, certificate.gait) if crossed.standing else None
+            crossed = another or crossed
         if crossed.reason:
             self._fail(target, primitive, move, crossed)
             return False
         self._send(crossed, begin_s, target, primitive, move)
         return True
 
-    def _planned(self, target: Pose, certificate: Certificate) -> Crossed:
+    def _planned(self, target: Pose, gait: Gait | FreeGait, certificate: Certificate | None = None) -> Crossed:
         """Solve the program of a transition, and let the time pass that it took."""
         turned = (target[1] - self.stance.quarter_turns + 1) % 4 - 1
         heading = self.stance.quarter_turns + turned
-        problem = crossing(self.robot, self.world, self.stance, target[0], heading, certificate.gait, self.limits)
+        problem = crossing(self.robot, self.world, self.stance, target[0], heading, gait, self.limits)
         crossed = cross(problem, certificate, self.limits)
-        delay_s = delay_of(self.delays_s, len(self.segments))
-        self.clock = self.clock.planned(1e-3 * (crossed.retarget_ms + crossed.solve_ms) + delay_s)
-        self.tally.crossed.append(crossed)
+        self.clock = self.clock.planned(1e-3 * (crossed.retarget_ms + crossed.solve_ms) + self._delay_s())
+        if isinstance(gait, Gait):
+            self.tally.crossed.append(crossed)
         return crossed
 
-    def _with_another_gait(self, target: Pose, certificate: Certificate) -> Crossed | None:
-        """Return a motion in a gait that the certificate does not have; None where none of the known ones does it."""
-        for name in OTHER_GAITS:
-            if NAMED[name] != certificate.gait:
-                crossed = self._planned(target, Certificate(NAMED[name], np.zeros((0, 3)), ()))
+    def _delay_s(self) -> float:
+        """Return the injected delay of the segment that is being planned, once."""
+        if self.delayed == len(self.segments):
+            return 0.0
+        self.delayed = len(self.segments)
+        return delay_of(self.delays_s, self.delayed)
+
+    def _with_another_gait(self, target: Pose, certified: Gait) -> Crossed | None:
+        """Return a motion in a gait that the certificate does not have; None where none is found."""
+        for gait in OTHER_GAITS:
+            if gait != certified:
+                crossed = self._planned(target, gait)
                 if not crossed.reason:
                     self.tally.other_gaits += 1
                     return crossed
@@ -287,7 +329,7 @@ class QuadrupedWalk:
 
     def _settled(self, begin_s: float) -> bool:
         """Step in place until the feet are where they should be; return whether that was of any use."""
-        settling = self._planned(self._pose, Certificate(SETTLING, np.zeros((0, 3)), ()))
+        settling = self._planned(self._pose, SETTLING)
         if settling.reason or settling.solution is None or settling.solution.plan is None:
             return False
         moved_m = float(np.abs(settling.solution.plan.feet_m[-1] - self.stance.feet_m).max())

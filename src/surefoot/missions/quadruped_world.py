@@ -12,7 +12,6 @@ from functools import cached_property
 import numpy as np
 import shapely  # type: ignore[import-untyped]
 
-from surefoot.errors import InputError
 from surefoot.footholds.problem import Array
 from surefoot.footholds.terrain import Polygon, PolygonError, polygon
 from surefoot.skills import LocalGrid, QuadrupedTerrain
@@ -71,8 +70,6 @@ class World:
         """Return the world in which there is no ground any more in a rectangle."""
         terrain = self.terrain
         left = tuple(piece for one in terrain.polygons for piece in cut(one, hole))
-        if not left:
-            raise InputError("nothing to stand on would be left")
         near = hole.shrunk(-WINDOW_M - terrain.cell_m)
         untouched = [cell for cell in terrain.measured if not overlap(terrain.square_m(cell), near)]
         return World(terrain.with_polygons(left, untouched), self.obstacles)

@@ -59,8 +59,8 @@ class LocalGrid:
         if not self.standing:
             x, y = self.centre_m
             raise InputError(
-                f"the robot's own cell, about ({x:g}, {y:g}), is an obstacle ({self._why()}); it has to stand on ground "
-                f"of a class: {', '.join(self.terrain.classes.names)}"
+                f"the robot's own cell, about ({x:g}, {y:g}), is an obstacle ({self._why()}); it has to stand on "
+                f"ground of a class: {', '.join(self.terrain.classes.names)}"
             )
         return TerrainState(self.labels)
 

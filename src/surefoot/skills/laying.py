@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
@@ -19,14 +18,15 @@ from surefoot.errors import InputError
 from surefoot.footholds.terrain import Polygon, polygon
 from surefoot.skills.classes import ClassSet
 from surefoot.skills.crevices import crevices
+from surefoot.skills.laid_cells import Lay
 from surefoot.skills.lattice_fit import Edges, ground_edges, headings_rad, offsets
 from surefoot.skills.quadruped_terrain import Laid, Point, QuadrupedTerrain
-from surefoot.skills.values import OBSTACLE, Cell, Direction
+from surefoot.skills.values import Cell, Direction
 
 _HEADINGS = 3
 _SIDES = 8
 _OFFSETS = 3
-_MOST_MEASURED = 4_000
+_MOST_MEASURED = 3_000
 _LEAST_TRIED = 4
 _SIDE_STEP_M = 0.01
 _MOST_CELLS = 10_000
@@ -56,70 +56,6 @@ class Wish:
     name: str = "terrain"
 
 
-@dataclass(frozen=True, eq=False)
-class Lay:
-    """A lattice and what it is worth.
-
-    Attributes:
-        terrain: the ground in the frame of the lattice, start and goal among it as far as they are known.
-        left_out: polygons of the scan that lie in crevices.
-    """
-
-    terrain: QuadrupedTerrain
-    left_out: frozenset[int] = frozenset()
-
-    @cached_property
-    def standing(self) -> frozenset[Cell]:
-        """Cells on which the robot can stand, by the rules."""
-        classes, measured = self.terrain.classes, self.terrain.measured
-        return frozenset(
-            cell for cell, one in measured.items() if classes.classify(one.seen_from(one.height_m)) != OBSTACLE
-        )
-
-    @cached_property
-    def parts(self) -> tuple[frozenset[Cell], ...]:
-        """Sets of cells between which the rules allow moves both ways, the largest first."""
-        left, found = set(self.standing), []
-        while left:
-            part, queue = set(), [min(left)]
-            left.discard(queue[0])
-            while queue:
-                cell = queue.pop()
-                part.add(cell)
-                new = [one for way in Direction if (one := way.of(cell)) in left and self._passable(cell, one)]
-                left.difference_update(new)
-                queue += new
-            found.append(frozenset(part))
-        return tuple(sorted(found, key=lambda part: (-len(part), min(part))))
-
-    def _passable(self, here: Cell, there: Cell) -> bool:
-        measured, classes = self.terrain.measured, self.terrain.classes
-        return all(
-            classes.classify(measured[b].seen_from(measured[a].height_m)) != OBSTACLE
-            for a, b in ((here, there), (there, here))
-        )
-
-    @cached_property
-    def part(self) -> frozenset[Cell]:
-        """The cells that count: those about the start if there is one, else the largest part."""
-        if self.terrain.start_m is None:
-            return self.parts[0] if self.parts else frozenset()
-        start = self.terrain.cell_at(self.terrain.start_m)
-        return next((part for part in self.parts if start in part), frozenset())
-
-    @property
-    def arrives(self) -> bool:
-        """Whether the goal, if there is one, is among the cells that count."""
-        return bool(self.part) and (
-            self.terrain.goal_m is None or self.terrain.cell_at(self.terrain.goal_m) in self.part
-        )
-
-    @property
-    def worth_m2(self) -> float:
-        """Area of the cells that count."""
-        return len(self.part) * self.terrain.cell_m**2
-
-
 @dataclass(frozen=True, slots=True)
 class _Try:
     """A lattice that is proposed, in a frame turned by less than 45 degrees."""
@@ -129,6 +65,20 @@ class _Try:
     side_m: float
     heading_rad: float
     offset_m: Point
+
+
+@dataclass(frozen=True, slots=True)
+class _Ground:
+    """Polygons of a scan, and how they look in frames with other headings."""
+
+    polygons: tuple[Polygon, ...]
+    margin_m: float
+    known: dict[float, tuple[Polygon, ...]] = field(default_factory=dict)
+
+    def turned(self, heading_rad: float) -> tuple[Polygon, ...]:
+        if heading_rad not in self.known:
+            self.known[heading_rad] = tuple(_turned(one, heading_rad) for one in self.polygons)
+        return self.known[heading_rad]
 
 
 def lay_cells(polygons: Sequence[Polygon], margin_m: float, wish: Wish) -> tuple[Lay, int]:
@@ -143,12 +93,12 @@ def lay_cells(polygons: Sequence[Polygon], margin_m: float, wish: Wish) -> tuple
         InputError: start or goal lie beside the ground, or all lattices have too many cells.
     """
     low = crevices(polygons, margin_m)
-    polygons = [one for number, one in enumerate(polygons) if number not in low]
-    tries = sorted(_tries(ground_edges(polygons, margin_m), wish), key=lambda one: -one.gain)
+    ground = _Ground(tuple(one for number, one in enumerate(polygons) if number not in low), margin_m)
+    tries = sorted(_tries(ground_edges(ground.polygons, margin_m), wish), key=lambda one: -one.gain)
     measured: list[Lay] = []
     cells = 0
     for one in tries:
-        lay = Lay(_terrain(polygons, margin_m, wish, one))
+        lay = Lay(_terrain(ground, wish, one))
         rows, columns = lay.terrain.cells
         if rows * columns > _MOST_CELLS:
             continue
@@ -162,7 +112,7 @@ def lay_cells(polygons: Sequence[Polygon], margin_m: float, wish: Wish) -> tuple
     best = max((one.arrives, one.worth_m2) for one in measured)
     good = [one for one in measured if one.arrives == best[0] and one.worth_m2 >= _NEARLY * best[1]]
     chosen = max(good, key=lambda one: (one.terrain.cell_m, one.worth_m2))
-    terrain = _with_ends(Lay(_turned_uphill(chosen, polygons, margin_m, wish)))
+    terrain = _with_ends(Lay(_turned_uphill(chosen, ground, wish)))
     return Lay(terrain, low), len(measured)
 
 
@@ -186,9 +136,9 @@ def _sides(classes: ClassSet, given_m: float | None) -> list[float]:
     return [round(low + k * _SIDE_STEP_M, 6) for k in range(round((high - low) / _SIDE_STEP_M) + 1)]
 
 
-def _terrain(polygons: Sequence[Polygon], margin_m: float, wish: Wish, one: _Try) -> QuadrupedTerrain:
+def _terrain(ground: _Ground, wish: Wish, one: _Try) -> QuadrupedTerrain:
     """Return the ground as a lattice sees it: turned, with its own corner and cells."""
-    turned = tuple(_turned(each, one.heading_rad) for each in polygons)
+    turned, margin_m = ground.turned(one.heading_rad), ground.margin_m
     points = np.concatenate([each.vertices_m[:, :2] for each in turned])
     low, high = points.min(axis=0) - margin_m, points.max(axis=0) + margin_m
     origin = [_below(float(low[k]), one.offset_m[k], one.side_m) for k in (0, 1)]
@@ -239,7 +189,7 @@ def _check_places(terrain: QuadrupedTerrain) -> None:
             raise InputError("lies beside the ground of the scan", key=option) from problem
 
 
-def _turned_uphill(lay: Lay, polygons: Sequence[Polygon], margin_m: float, wish: Wish) -> QuadrupedTerrain:
+def _turned_uphill(lay: Lay, ground: _Ground, wish: Wish) -> QuadrupedTerrain:
     """Return the same lattice with x along most of the steps, uphill, or from the start to the goal."""
     terrain = lay.terrain
     quarters = 0 if wish.yaw_rad is not None else _quarters(lay)
@@ -250,7 +200,7 @@ def _turned_uphill(lay: Lay, polygons: Sequence[Polygon], margin_m: float, wish:
     assert terrain.laid is not None
     heading = math.radians(terrain.laid.yaw_deg) + quarters * math.pi / 2
     one = _Try(0.0, terrain.classes, side, math.remainder(heading, math.tau), (x % side, y % side))
-    return _terrain(polygons, margin_m, wish, one)
+    return _terrain(ground, wish, one)
 
 
 def _quarters(lay: Lay) -> int:

@@ -177,7 +177,7 @@ class CheckResult:
         verdict: feasible, infeasible or unknown.
         gait: the gait that does it, or those that were tried.
         explanation: why it is infeasible, or which limit left it unknown; empty if it is feasible.
-        time_s: how long the check took [s].
+        time_s: processor time that the check took [s].
         horizon_s: how long the feasible motion takes [s].
         cost: objective of the feasible motion.
         plan: text of the certificate, a plan file (JSON); None if there is none.

@@ -50,8 +50,7 @@ class Automaton:
         self.labels = self._labels(record)
         if record.cell("cell") != cell or record.whole("quarter_turns") % 4 != turns % 4:
             self._refuse("request", f"is made in another place than {cell}, where the robot is", place)
-        for new in record.mappings("new"):
-            self._certify(new, place)
+        self.certify(record, place)
         self.strategy = dict(self._row(record, row) for row in record.items("strategy"))
         self.local = None
         if record.text("outcome") in ("realizable", "repaired"):
@@ -71,6 +70,11 @@ class Automaton:
         if len(rows) != self.grid[0] or not all(isinstance(row, list) and len(row) == self.grid[1] for row in rows):
             raise record.wrong("labels", f"has to be a grid of {self.grid[0]} x {self.grid[1]}")
         return tuple(tuple(map(str, row)) for row in rows if isinstance(row, list))
+
+    def certify(self, record: Fields, place: str) -> None:
+        """Add the skills that were found, before the robot set out or for a request."""
+        for new in record.mappings("new"):
+            self._certify(new, place)
 
     def _certify(self, new: Fields, place: str) -> None:
         """Add a skill that was found on the way, if its certificate holds."""

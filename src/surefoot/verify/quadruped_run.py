@@ -73,7 +73,13 @@ class Replay:
         """Follow the run from its first record to its last."""
         self._check_header()
         self._check_stance("run.jsonl line 1")
-        steps = {"segment": self._segment, "failed": self._failed, "event": self._event, "request": self._request}
+        steps = {
+            "segment": self._segment,
+            "failed": self._failed,
+            "event": self._event,
+            "request": self._request,
+            "prepared": self.automaton.certify,
+        }
         for record in self.run.records:
             place = f"run.jsonl line {record.line}"
             name = record.text("record")
@@ -165,6 +171,8 @@ class Replay:
                 self.automaton.interrupted()
             self.cell, self.base, self.feet = stands.cell("cell"), np.array(stands.numbers("base_m", 3)), _feet(stands)
             self._check_stance(place)
+        if record.whole("before_segment") != self.segments:
+            self._refuse("event", f"says that it comes before another segment than {self.segments}", place)
         expected = [dict(one.values) for one in self.run.header.mappings("events")]
         if dict(event.values) not in expected:
             self._refuse("event", "is none of those that the header names", place)

@@ -57,11 +57,11 @@ def view_step(run_dir: Path, step: int, out: Path | None = None) -> tuple[Path, 
 
 
 def view_plan(plan_dir: Path, out: Path | None = None) -> tuple[Path, ...]:
-    """Draw a plan: its grid, start, goals, where obstacles may be, belief regions, stairs.
+    """Draw a plan: its grid, start, goals, where obstacles may be, belief regions, stairs; and a play of its strategy.
 
     Args:
         plan_dir: the folder of the plan.
-        out: the folder for the picture; None means the plan's folder.
+        out: the folder for the pictures; None means the plan's folder.
     """
     from surefoot.viewer.plans import draw_plan
 

@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from surefoot.frames import Cell, Direction
+from surefoot.missions.monitor import VIOLATIONS
 from surefoot.missions.run_log import Turn
 from surefoot.viewer import style
 from surefoot.viewer.ground import draw_lines, fill_cells, frame, points_m, size_in
@@ -23,12 +24,23 @@ from surefoot.world import visible_pairs
 
 PANELS = 6
 
+_BROKEN: dict[str, Any] = {"ls": "", "marker": "D", "ms": 15, "mfc": "none", "mec": style.VERMILION, "mew": 2.0}
 
-def chosen_turns(turns: Sequence[Turn], panels: int = PANELS) -> tuple[int, ...]:
+
+def chosen_turns(turns: Sequence[Turn], panels: int = PANELS, broken: Sequence[int] = ()) -> tuple[int, ...]:
     """Return which turns to show: the longest time that an obstacle was hidden, with the turns before and after it.
 
-    When nothing ever hid, the turns are spread evenly.
+    When nothing ever hid, the turns are spread evenly; where assumptions were seen broken, the first such turn and
+    those around it are shown.
+
+    Args:
+        turns: of the run.
+        panels: how many to show.
+        broken: turns at which an assumption was seen broken, ascending.
     """
+    if broken and broken[0] < len(turns):
+        first = max(0, min(broken[0] - panels // 2 + 1, len(turns) - panels))
+        return tuple(range(first, min(first + panels, len(turns))))
     first, last = _longest_hidden(turns)
     if first == last:
         spread = np.linspace(0, len(turns) - 1, min(panels, len(turns)))
@@ -43,7 +55,7 @@ def chosen_turns(turns: Sequence[Turn], panels: int = PANELS) -> tuple[int, ...]
 def draw_beliefs(source: RunSource, path: Path) -> Path:
     """Draw the belief at a few moments, one small map each."""
     turns, grid = source.run.turns, source.plan.grid
-    chosen = chosen_turns(turns)
+    chosen = chosen_turns(turns, broken=[one.turn for one in source.run.violations])
     columns = 2 if grid.columns > 1.4 * grid.rows else 3
     rows = math.ceil(len(chosen) / columns)
     width, height = size_in(grid, most=5.2 if columns == 2 else 3.8, margin=0.05)
@@ -54,7 +66,8 @@ def draw_beliefs(source: RunSource, path: Path) -> Path:
             _draw_turn(axes, source, number, sees)
         for axes in panels[len(chosen) :]:
             axes.set_visible(False)
-        style.legend_outside(figure, _legend(), columns=4)
+        broken = {one.turn for one in source.run.violations}
+        style.legend_outside(figure, _legend(broken=bool(broken.intersection(chosen))), columns=4)
     return path
 
 
@@ -89,12 +102,27 @@ def _draw_turn(axes: Axes, source: RunSource, number: int, sees: NDArray[np.bool
         mark_obstacle(axes, grid.center_m(Cell(*cell)), size=9, seen=cell in in_view)
     yaw_rad = Direction[turn.heading.upper()].yaw_rad + grid.rotation_rad
     mark_robot(axes, grid.center_m(Cell(*turn.cell)), yaw_rad, colour=style.BLUE, size=15)
-    axes.set_title(f"turn {turn.turn}, {turn.time_s:.0f} s: {turn.order}", fontsize=9)
+    broken = _mark_broken(axes, source, number)
+    axes.set_title(f"turn {turn.turn}, {turn.time_s:.0f} s: {turn.order}{broken}", fontsize=9)
     frame(axes, grid, margin=0.05, labels=False)
 
 
-def _legend() -> list[Any]:
+def _mark_broken(axes: Axes, source: RunSource, number: int) -> str:
+    """Mark where an assumption was seen broken before a turn; return what its title says about it, and of plans."""
+    said = ""
+    for one in source.run.violations:
+        if one.turn == number:
+            place = Cell(*(one.cell or source.run.turns[number].cell))
+            axes.plot(*source.plan.grid.center_m(place), zorder=12, **_BROKEN)
+            said = f"\nan obstacle {VIOLATIONS[one.violation]}"
+    if any(one.turn == number for one in source.run.replans):
+        said += "\nplanned again"
+    return said
+
+
+def _legend(*, broken: bool) -> list[Any]:
     return [
+        *([Line2D([], [], label="assumption seen broken here", **{**_BROKEN, "ms": 9})] if broken else []),
         robot_key("robot, its heading", colour=style.BLUE),
         Line2D([], [], ls="", marker="o", ms=8, mfc=style.OBSTACLE, mec=style.OBSTACLE, label="obstacle, seen"),
         Line2D(

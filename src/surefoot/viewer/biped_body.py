@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.viewer import cassie, style
+from surefoot.viewer.bodies import Chosen
 from surefoot.viewer.body import TRUNK_M, Pose, about_z, biped_parts
 from surefoot.viewer.headings import headings_rad
 from surefoot.viewer.mesh_body import MeshBody, Walk
@@ -39,6 +40,11 @@ class BipedBody(Protocol):
 
     def remarks(self) -> tuple[str, ...]:
         """Say the same of the whole run."""
+
+
+def biped_body(scene: Any, times: Timeline, chosen: Chosen) -> BipedBody:
+    """Draw the body that was chosen."""
+    return SimpleBiped(scene, times) if chosen.model is None else MeshedBiped(scene, times, chosen.model)
 
 
 class SimpleBiped:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from surefoot.missions.run_log import Step
 from surefoot.viewer import style
-from surefoot.viewer.biped_body import BipedBody, SimpleBiped
+from surefoot.viewer.biped_body import biped_body
+from surefoot.viewer.bodies import SIMPLE, Chosen
 from surefoot.viewer.body import weight_pose
 from surefoot.viewer.page import colour
 from surefoot.viewer.timeline import Timeline
@@ -29,7 +30,7 @@ class BipedFigure:
         scene: of a viser server.
         times: the run, sampled.
         steps: of the run.
-        body: draws the body; None draws the simple one.
+        chosen: the body that is drawn.
     """
 
     def __init__(
@@ -37,10 +38,10 @@ class BipedFigure:
         scene: Any,
         times: Timeline,
         steps: Sequence[Step],
-        body: Callable[[Any, Timeline], BipedBody] | None = None,
+        chosen: Chosen = SIMPLE,
     ) -> None:
         self.scene, self.foot = scene, (0.0, 0.0, 0.0)
-        self.body = (body or SimpleBiped)(scene, times)
+        self.body = biped_body(scene, times, chosen)
         self.force = scene.add_cylinder("/contact/force", 0.015, _FORCE_M, colour(style.GREEN))
         vertices, faces = friction_cone(FRICTION, _CONE_M)
         self.cone = scene.add_mesh_simple("/contact/cone", vertices, faces, color=colour(style.GREEN), opacity=0.25)

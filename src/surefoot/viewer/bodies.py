@@ -35,6 +35,9 @@ class Chosen:
     remarks: tuple[str, ...] = ()
 
 
+SIMPLE = Chosen()
+
+
 def chosen_body(robot: str, *, biped: bool, asked: Body | None) -> Chosen:
     """Return the body that a robot is drawn with.
 
@@ -51,9 +54,9 @@ def chosen_body(robot: str, *, biped: bool, asked: Body | None) -> Chosen:
     """
     if asked is None:
         own = own_model(robot)
-        return Chosen() if own is None else Chosen(robot, own)
+        return SIMPLE if own is None else Chosen(robot, own)
     if asked is Body.SIMPLE:
-        return Chosen()
+        return SIMPLE
     wearing = _BIPED if biped else _QUADRUPED
     remark = f"there are no meshes of {robot}: those of {wearing} stand in"
     return Chosen(wearing, model_of(wearing), () if wearing == robot else (remark,))

@@ -82,7 +82,7 @@ def _leg(model: RobotModel, side: str) -> _Leg:
 
 
 def _solve(leg: _Leg, foot_m: Array, ahead: Array) -> tuple[Array, Array]:
-    """Return five angles of a leg, shape (n, 5), within their limits, and how far the sole stays from where it should be.
+    """Return five angles of a leg, shape (n, 5), within their limits, and how far the sole stays from its place.
 
     Gauss and Newton's method with damping; all moments at once.
     """

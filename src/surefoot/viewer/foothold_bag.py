@@ -11,8 +11,8 @@ from surefoot.robots.legs import JOINTS
 from surefoot.viewer import style
 from surefoot.viewer.body import quaternions
 from surefoot.viewer.foothold_motion import FootholdMotion, read_motion
-from surefoot.viewer.quadruped_figure import FEET
 from surefoot.viewer.footholds import FOOT_COLOURS
+from surefoot.viewer.quadruped_figure import FEET
 from surefoot.viewer.reach_words import out_of_reach
 from surefoot.viewer.replay import Say, silent
 from surefoot.viewer.ros_messages import (

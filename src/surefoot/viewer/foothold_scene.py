@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from surefoot.viewer import style
 from surefoot.viewer.biped_figure import friction_cone
+from surefoot.viewer.bodies import SIMPLE, Chosen
 from surefoot.viewer.body import between
 from surefoot.viewer.foothold_motion import FootholdMotion
 from surefoot.viewer.footholds import FOOT_COLOURS, FOOT_LABELS
 from surefoot.viewer.ground_scene import GroundScene
 from surefoot.viewer.page import Cameras, add_solid, colour
-from surefoot.viewer.quadruped_figure import FEET, FOOT_M, QuadrupedFigure, SimpleQuadruped
+from surefoot.viewer.quadruped_figure import FEET, FOOT_M, quadruped_figure
 from surefoot.viewer.run_ground import RunGround
 from surefoot.viewer.scenery import light
 from surefoot.viewer.solids import slab
@@ -33,7 +34,7 @@ class FootholdScene:
     Args:
         scene: of a viser server.
         motion: of a foothold plan, or of a run.
-        figure: draws the robot; None draws the simple body.
+        chosen: the body that is drawn.
         ground: of the whole run; None draws the polygons that the motion knows.
     """
 
@@ -41,10 +42,10 @@ class FootholdScene:
         self,
         scene: Any,
         motion: FootholdMotion,
-        figure: Callable[[Any, FootholdMotion], QuadrupedFigure] | None = None,
+        chosen: Chosen = SIMPLE,
         ground: RunGround | None = None,
     ) -> None:
-        self.scene, self.motion = scene, motion
+        self.scene, self.motion, self.chosen = scene, motion, chosen
         self.polygons, self.marked, self.text = 0, [0] * len(FEET), ""
         light(scene)
         self.ground = None if ground is None else GroundScene(scene, ground)
@@ -53,7 +54,7 @@ class FootholdScene:
             scene.add_icosphere("/goal", 0.03, colour(style.GOAL), position=motion.goal_m, opacity=0.7)
             scene.add_label("/goal/name", "goal", position=(0.0, 0.0, 0.05))
         self._add_footholds()
-        self.figure = (figure or SimpleQuadruped)(scene, motion)
+        self.figure = quadruped_figure(scene, motion, chosen)
         self.label = scene.add_label("/skill", "", anchor="bottom-center")
         self._add_contacts()
 
@@ -62,11 +63,18 @@ class FootholdScene:
         """Return the moments of the samples."""
         return self.motion.time_s
 
-    def grow(self, motion: FootholdMotion) -> None:
-        """Take over a longer motion of the same run: what is drawn stays, and what is new is added."""
+    def grow(self, motion: FootholdMotion, ground: RunGround | None = None) -> None:
+        """Take over a longer motion of the same run: what is drawn stays, and what is new is added.
+
+        Args:
+            motion: of the longer log.
+            ground: of the longer log, if the scene has one.
+        """
         self.motion = motion
         if self.ground is None:
             self._add_ground()
+        elif ground is not None:
+            self.ground.grow(ground)
         self._add_footholds()
         self.figure.grow(motion)
 
@@ -76,8 +84,9 @@ class FootholdScene:
         if self.ground is not None:
             self.ground.show(float(self.time_s[frame]))
         self.label.position = self.motion.base_m[frame] + np.array([0.0, 0.0, _LABEL_M])
-        if self.motion.words[frame] != self.text:
-            self.label.text = self.text = self.motion.words[frame]
+        skill = self.motion.words[frame].partition(" (")[0]
+        if skill != self.text:
+            self.label.text = self.text = skill
         for foot in range(4):
             self._show_contact(frame, foot)
 
@@ -104,16 +113,22 @@ class FootholdScene:
         remark = self.figure.remark(frame)
         return f"{said}; {remark}" if remark else said
 
+    def notes(self) -> tuple[str, ...]:
+        """Say what is drawn otherwise than it was planned."""
+        return (*self.chosen.remarks, *self.figure.remarks())
+
     def cameras(self) -> Cameras:
         """Return places to look from, by name."""
         points = np.concatenate([*self.motion.polygons_m, self.motion.base_m])
         low, high = points.min(axis=0), points.max(axis=0)
+        if self.ground is not None:
+            low, high = np.minimum(low, self.ground.low_m), np.maximum(high, self.ground.high_m)
         x, y, z = (float(one) for one in (low + high) / 2)
-        size = float(np.linalg.norm(high - low))
+        size = max(float(high[0] - low[0]), 1.6 * float(high[1] - low[1]), 1.2)
         return {
-            "overview": {"position": [x - 0.35 * size, y - 0.75 * size, z + 0.45 * size], "look_at": [x, y, z]},
-            "from above": {"position": [x, y - 0.01, z + size], "look_at": [x, y, z]},
-            "from the side": {"position": [x, y - 0.95 * size, z + 0.08 * size], "look_at": [x, y, z]},
+            "overview": {"position": [x - 0.22 * size, y - 0.48 * size, z + 0.33 * size], "look_at": [x, y, z]},
+            "from above": {"position": [x, y - 0.01, z + 0.66 * size], "look_at": [x, y, z]},
+            "from the side": {"position": [x, y - 0.62 * size, z + 0.06 * size], "look_at": [x, y, z]},
             "follow": {"follow": "/robot/trunk", "offset": [-0.9, -0.9, 0.5]},
         }
 

@@ -13,7 +13,7 @@ from surefoot.skills.patches import Rectangle
 from surefoot.viewer import style
 from surefoot.viewer.page import add_solid, colour
 from surefoot.viewer.run_ground import RunGround
-from surefoot.viewer.solids import Solid, slab, together
+from surefoot.viewer.solids import slab, together
 
 Array = NDArray[np.float64]
 
@@ -45,6 +45,17 @@ class GroundScene:
         self.marks = [self._add_way_point(number) for number in range(len(ground.way_points))]
         scene.add_cylinder("/goal", 0.16, 0.012, colour(style.GOAL), position=ground.goal_m, opacity=0.85)
         scene.add_label("/goal/name", "goal", position=(0.0, 0.0, 0.1))
+
+    def grow(self, ground: RunGround) -> None:
+        """Take over the ground of a longer log: new way points, and what happened to the world."""
+        happened = len(ground.phases) > len(self.ground.phases)
+        self.ground, self.way_point = ground, -1
+        if happened:
+            for node in (*(node for _, node in self.solids), *self.boxes):
+                node.remove()
+            self.solids, self.phase = self._add_polygons(), -1
+            self.boxes = [self._add_obstacle(number, box) for number, box in enumerate(ground.phases[-1].obstacles)]
+        self.marks += [self._add_way_point(number) for number in range(len(self.marks), len(ground.way_points))]
 
     def show(self, time_s: float) -> None:
         """Show the world at a moment; only what has changed is sent."""

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.errors import InputError
 from surefoot.missions.run_log import MAX_LINE
 from surefoot.viewer.live_logs import Growing, growing
 from surefoot.viewer.live_look import LookPanel
@@ -79,7 +78,7 @@ class LiveView:
         while not stop.is_set():
             began_s = time.monotonic()
             if began_s >= next_poll_s:
-                self._poll()
+                self.poll()
                 read_s = time.monotonic() - began_s
                 next_poll_s = began_s + max(_POLL_S, read_s / _READING_SHARE)
             if self.moving is not None:
@@ -95,8 +94,12 @@ class LiveView:
         self.panel.say(moving.caption(frame))
         self.look.go_along()
 
-    def _poll(self) -> None:
-        """Read the log if it has changed."""
+    def poll(self) -> None:
+        """Read the log if it has changed.
+
+        Raises:
+            InputError: it holds something else than a run.
+        """
         seen = state_of(self.log)
         if seen is None or seen == self.seen or not _begun(self.log):
             return
@@ -125,10 +128,9 @@ def follow(run_dir: Path, port: int | None, say: Callable[[str], None]) -> None:
 
     Raises:
         BackendMissing: viser is not installed.
-        InputError: there is no run, or the port is in use.
+        InputError: the log cannot be read, or the port is in use.
     """
-    if not (run_dir / "run.jsonl").is_file():
-        raise InputError("does not exist; --follow needs the folder of a run (run.jsonl)", source=run_dir / "run.jsonl")
     with serving(run_dir, port) as (address, view):
+        view.poll()
         say(address)
         view.run(threading.Event())

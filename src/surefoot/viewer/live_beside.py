@@ -66,6 +66,7 @@ def watching(run_dir: Path, port: int | None) -> Iterator[Beside]:
         process.join(_LEAVE_S)
         if process.is_alive():
             process.terminate()
+            process.join()
 
 
 def _address(pipe: Connection) -> str:

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from surefoot.missions.run_log import Run, read_run
+from surefoot.viewer.bodies import chosen_body
 from surefoot.viewer.foothold_motion import FootholdMotion, Segment, joined, read_segments, segment_motion
 from surefoot.viewer.foothold_scene import FootholdScene
 from surefoot.viewer.quadruped_run import is_quadruped_run
 from surefoot.viewer.recording import Moving
 from surefoot.viewer.replay import RATE_HZ
+from surefoot.viewer.run_ground import read_run_ground
 from surefoot.viewer.run_scene import RunScene
 from surefoot.viewer.sources import RunSource, read_run_source
 from surefoot.viewer.timeline import curves_of, timeline
@@ -56,7 +58,8 @@ class BipedLog:
                 return None
             self.source = replace(read_run_source(self.log.parent, growing=True), run=run)
             self.curves = curves_of(run.steps, RATE_HZ)
-            self.shown = RunScene(scene, self.source, timeline(self.source, self.curves))
+            chosen = chosen_body(self.source.plan.scenario.robot, biped=True, asked=None)
+            self.shown = RunScene(scene, self.source, timeline(self.source, self.curves), chosen)
             return self.shown
         self.source = replace(self.source, run=run)
         self.curves += curves_of(run.steps[len(self.curves) :], RATE_HZ)
@@ -93,10 +96,12 @@ class QuadrupedLog:
             scene.reset()
         if new:
             self.motion = joined(new if self.motion is None else [self.motion, *new])
+            ground = read_run_ground(self.log.parent, growing=True)
             if self.shown is None:
-                self.shown = FootholdScene(scene, self.motion)
+                chosen = chosen_body(self.motion.robot, biped=False, asked=None)
+                self.shown = FootholdScene(scene, self.motion, chosen, ground)
             else:
-                self.shown.grow(self.motion)
+                self.shown.grow(self.motion, ground)
         return self.shown
 
 

@@ -1,9 +1,9 @@
-"""Marks that several pictures share: the robot, goals, obstacles and where they went."""
+"""Marks that several pictures share: the robot, goals, obstacles."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -60,21 +60,7 @@ def goal_key() -> Line2D:
     return Line2D([], [], ls="", marker="*", ms=12, color=style.GOAL, label="goals, in order from 0")
 
 
-def mark_obstacle(axes: Axes, at_m: Place, *, size: float, seen: bool = True) -> None:
+def mark_obstacle(axes: Axes, at_m: Place, *, size: float, seen: bool = True, colour: str = style.OBSTACLE) -> None:
     """Draw an obstacle as a disc, hollow when the robot does not see it."""
-    face = style.OBSTACLE if seen else "white"
-    axes.plot(*at_m, "o", ms=size, mfc=face, mec=style.OBSTACLE, mew=2.0, zorder=9)
-
-
-def mark_obstacle_path(axes: Axes, places_m: Sequence[Place]) -> None:
-    """Draw where an obstacle went, and where it began."""
-    axes.plot(*np.transpose(places_m), color=style.OBSTACLE, lw=1.3, alpha=0.8, solid_joinstyle="round", zorder=4.5)
-    mark_obstacle(axes, places_m[0], size=9)
-
-
-def obstacle_path_keys() -> list[Line2D]:
-    """Return what a legend says about the path of an obstacle."""
-    return [
-        Line2D([], [], color=style.OBSTACLE, lw=1.3, label="cells the obstacle visited"),
-        Line2D([], [], ls="", marker="o", ms=8, color=style.OBSTACLE, label="obstacle at the start"),
-    ]
+    face = colour if seen else "white"
+    axes.plot(*at_m, "o", ms=size, mfc=face, mec=colour, mew=2.0, zorder=9)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
@@ -32,7 +31,7 @@ _GREY = (0.62, 0.65, 0.69)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """Triangles of one colour: vertices (n, 3) in the frame of their link, faces (m, 3), red, green and blue from 0 to 1."""
+    """Triangles of one colour: vertices (n, 3) in their link's frame, faces (m, 3), red, green and blue from 0 to 1."""
 
     link: str
     vertices_m: NDArray[np.float32]
@@ -77,7 +76,8 @@ def parts_of(model: RobotModel, most_faces: int = MOST_FACES) -> tuple[Part, ...
     Raises:
         InputError: a mesh cannot be read.
     """
-    shapes = [(visual, mesh, rgb) for visual in model.visuals for mesh, rgb in _shapes(visual)]
+    loaded = {path: _loaded(path) for path in {visual.mesh for visual in model.visuals} if path is not None}
+    shapes = [(visual, mesh, rgb) for visual in model.visuals for mesh, rgb in _shapes(visual, loaded)]
     share = min(1.0, most_faces / max(1, sum(len(mesh.faces) for _, mesh, _ in shapes)))
     return tuple(_part(visual, _simplified(mesh, share), rgb) for visual, mesh, rgb in shapes)
 
@@ -91,26 +91,30 @@ def _scale(visual: Visual) -> NDArray[np.float64]:
     return np.array(visual.size) if visual.mesh is not None else np.ones(3)
 
 
-def _shapes(visual: Visual) -> Iterator[tuple[Any, tuple[float, float, float]]]:
+def _shapes(
+    visual: Visual, loaded: Mapping[Path, tuple[Any, ...]]
+) -> Iterator[tuple[Any, tuple[float, float, float]]]:
     """Yield the meshes of a visual with their colours."""
     import trimesh
 
     if visual.mesh is None:
         yield trimesh.creation.box(visual.size), visual.rgb or _GREY
         return
-    for mesh in _loaded(visual.mesh):
+    for mesh in loaded[visual.mesh]:
         yield mesh, visual.rgb or _colour(mesh)
 
 
-@cache
 def _loaded(path: Path) -> tuple[Any, ...]:
     """Return the meshes of a file, in its frame."""
     import trimesh
 
     try:
-        return tuple(trimesh.load_scene(path).dump())
+        meshes = tuple(one for one in trimesh.load_scene(path).dump() if len(getattr(one, "faces", ())))
     except (OSError, ValueError, KeyError, IndexError, AttributeError, TypeError) as problem:
         raise InputError(f"is no mesh that can be read ({problem})", source=path) from problem
+    if not meshes:
+        raise InputError("holds no triangles", source=path)
+    return meshes
 
 
 def _colour(mesh: Any) -> tuple[float, float, float]:

@@ -46,7 +46,9 @@ def server(port: int | None = None) -> Iterator[viser.ViserServer]:
             running.stop()
 
 
-def write_page(path: Path, serializer: Any, cameras: Cameras, captions: Sequence[tuple[float, str]]) -> None:
+def write_page(
+    path: Path, serializer: Any, cameras: Cameras, captions: Sequence[tuple[float, str]], notes: Sequence[str] = ()
+) -> None:
     """Write a recorded scene as one file that opens without a network, whole or not at all.
 
     Args:
@@ -54,10 +56,15 @@ def write_page(path: Path, serializer: Any, cameras: Cameras, captions: Sequence
         serializer: what viser recorded.
         cameras: a button for every name: ``position`` and ``look_at`` in the world, or ``follow``, a node's name.
         captions: ascending moments of the recording [s], each with what is said from then on.
+        notes: what is said all the time.
     """
     page = serializer.as_html()
     own = files("surefoot.viewer").joinpath("page.html").read_text("utf-8")
-    panel = own.replace("/*CAMERAS*/", script(cameras)).replace("/*CAPTIONS*/", script(captions))
+    panel = (
+        own.replace("/*CAMERAS*/", script(cameras))
+        .replace("/*CAPTIONS*/", script(captions))
+        .replace("/*NOTES*/", script(notes))
+    )
     end = page.rindex("</body>")
     with written_whole(path) as stream:
         stream.write((page[:end] + panel + page[end:]).encode())

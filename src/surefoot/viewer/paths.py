@@ -30,12 +30,11 @@ from surefoot.viewer.levels import draw_levels
 from surefoot.viewer.marks import (
     goal_key,
     mark_goals,
-    mark_obstacle_path,
     mark_robot,
-    obstacle_path_keys,
     robot_key,
 )
 from surefoot.viewer.motion import com_path_m
+from surefoot.viewer.obstacle_tracks import draw_tracks
 from surefoot.viewer.phase_space import turn_stretch
 from surefoot.viewer.sources import RunSource
 
@@ -117,11 +116,9 @@ def _draw_window(axes: Axes, beside: Axes) -> None:
 
 def _draw_obstacles(axes: Axes, source: RunSource) -> list[Any]:
     """Draw which cells the obstacles visited; return what the legend says about it."""
-    grid = source.plan.grid
-    paths = list(zip(*(turn.obstacles for turn in source.run.turns), strict=False))
-    for cells in paths:
-        mark_obstacle_path(axes, [grid.center_m(Cell(*cell)) for cell in cells])
-    return list(obstacle_path_keys()) if paths else []
+    tracks = [[Cell(*cell) for cell in cells] for cells in zip(*(t.obstacles for t in source.run.turns), strict=False)]
+    speeds = [obstacle.speed_cells for obstacle in source.plan.scenario.obstacles]
+    return list(draw_tracks(axes, source.plan.grid, tracks, speeds))
 
 
 def _draw_start(axes: Axes, source: RunSource) -> None:

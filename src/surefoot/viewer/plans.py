@@ -25,7 +25,8 @@ from surefoot.viewer.ground import (
     size_in,
 )
 from surefoot.viewer.levels import draw_levels
-from surefoot.viewer.marks import goal_key, mark_goals, mark_obstacle, mark_robot, robot_key
+from surefoot.viewer.marks import goal_key, mark_goals, mark_robot, robot_key
+from surefoot.viewer.obstacle_tracks import colour_of, mark_numbered
 from surefoot.viewer.sources import read_plan_source
 from surefoot.world import CoarseGrid, OccupancyMap, make_grid, read_occupancy_map
 
@@ -67,7 +68,12 @@ def draw_plan(plan_dir: Path, out: Path) -> tuple[Path, ...]:
         forbidden=frozenset(source.grid.free_cells()) - domain if domain else frozenset(),
         title=f"plan in {source.folder.name}/",
     )
-    return (draw_layout(layout, out / "plan.png"),)
+    pictures = (draw_layout(layout, out / "plan.png"),)
+    if not (plan_dir / "navigation.npz").is_file():
+        return pictures
+    from surefoot.viewer.play_picture import draw_play
+
+    return (*pictures, draw_play(source, out / "play.png"))
 
 
 def draw_scenario(scenario_path: Path, out: Path) -> tuple[Path, ...]:
@@ -149,8 +155,9 @@ def _draw_places(axes: Axes, layout: Layout) -> None:
     yaw_rad = Direction[scenario.start.heading.upper()].yaw_rad + layout.grid.rotation_rad
     mark_robot(axes, layout.start_m, yaw_rad, colour=style.BLACK, size=20)
     mark_goals(axes, [goal.position_m for goal in scenario.goals], size=14)
-    for obstacle in scenario.obstacles:
-        mark_obstacle(axes, obstacle.start_m, size=10)
+    several = len(scenario.obstacles) > 1
+    for number, obstacle in enumerate(scenario.obstacles):
+        mark_numbered(axes, obstacle.start_m, number if several else None, size=10)
 
 
 def _legend(layout: Layout) -> list[Any]:
@@ -159,8 +166,10 @@ def _legend(layout: Layout) -> list[Any]:
         goal_key(),
         *ground_keys(layout.grid, layout.occupancy, whole=layout.whole),
     ]
-    if layout.scenario.obstacles:
-        handles.append(Line2D([], [], ls="", marker="o", ms=9, color=style.OBSTACLE, label="obstacle at the start"))
+    several = len(layout.scenario.obstacles) > 1
+    for number in range(len(layout.scenario.obstacles)):
+        name = f"obstacle {number} at the start" if several else "obstacle at the start"
+        handles.append(Line2D([], [], ls="", marker="o", ms=9, color=colour_of(number), label=name))
     if layout.forbidden:
         hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": style.OBSTACLE, "hatch": "xxx", "lw": 0}
         handles.append(Patch(label="no obstacle ever here", **hatched))

@@ -23,6 +23,7 @@ from surefoot.navigation import Action, FineState, Moved, apply_action, deviatio
 from surefoot.viewer import style
 from surefoot.viewer.motion import arcs, local, turned
 from surefoot.viewer.sources import RunSource, read_run_source
+from surefoot.viewer.step_above import draw_above
 
 COLOURS = {
     "nominal": style.VERMILION,
@@ -31,8 +32,10 @@ COLOURS = {
     "left": style.GREEN,
     "right": style.PURPLE,
 }
-_SAMPLES = 30
+_AHEAD = 4
 _LABEL_EVERY_M = 0.035
+_Edge = tuple[str, str, Moved, bool]
+"""An outcome: its name, its flag, where it leads, and whether it was walked."""
 _MODES = ("standing", "walking", "ready", "left A", "right A", "left B", "right B")
 
 
@@ -52,17 +55,18 @@ def draw_step(run_dir: Path, number: int, out: Path) -> tuple[Path, ...]:
     if not 0 <= number < len(steps):
         raise InputError(_no_step(source.run, number), source=source.run.path)
     step, path = steps[number], out / f"step_{number}.png"
-    with style.pictured(path, 12.0, 5.6) as figure:
-        phase, automaton = figure.subplots(1, 2, width_ratios=(1.0, 1.25))
+    with style.pictured(path, 15.0, 5.6) as figure:
+        phase, above, automaton = figure.subplots(1, 3, width_ratios=(1.0, 0.85, 1.15))
         drawn = _draw_phase(phase, step)
-        _draw_automaton(automaton, step, source)
+        drawn += draw_above(above, steps, number, source.plan.document.get("robot", {}))
+        drawn += _draw_automaton(automaton, step, source)
         pushed = "not pushed"
         if step.push is not None:
             jump = step.push.jump_mps
             pushed = f"pushed by {jump[0]:+.2f} m/s ahead and {jump[1]:+.2f} m/s left, recovered by the "
             pushed += "region's law" if step.push.recovery == "region" else "placement of a foot"
         style.title(figure, f"Step {number}: {pushed}; outcome {step.transition}")
-        style.legend_outside(figure, [*drawn, *_flags()], columns=6)
+        style.legend_outside(figure, drawn, columns=7)
     return (path,)
 
 
@@ -135,35 +139,68 @@ def _draw_region(axes: Axes, step: Step) -> list[Patch | Line2D]:
     return legend
 
 
-def _draw_automaton(axes: Axes, step: Step, source: RunSource) -> None:
-    """Draw the state before a step, its action, and the states that the outcomes lead to."""
+def _draw_automaton(axes: Axes, step: Step, source: RunSource) -> list[Line2D]:
+    """Draw the state before a step, its action, and where the outcomes lead; return what the legend says about it."""
     plan = read_plan(source.plan.folder, read_biped_scene(source.plan.folder / _scenario(source)))
     fine = step.fine
     state = FineState(fine.row, fine.column, fine.heading, fine.stance, fine.mode, fine.context)
     edges = _edges(plan, state, step)
     axes.set_axis_off()
     axes.set_xlim(0.0, 1.0)
+    axes.set_title("(c) the action strategy around the step", loc="left")
+    begin = f"{_named(plan, state)}\naction: {_action(plan, step.action)}"
+    if len(edges) == 1:
+        _draw_chain(axes, plan, begin, edges[0])
+    else:
+        _draw_fan(axes, plan, begin, edges)
+    flags = {flag for _, flag, _, _ in edges}
+    return [Line2D([], [], color=colour, lw=1.8, label=flag) for flag, colour in COLOURS.items() if flag in flags]
+
+
+def _draw_fan(axes: Axes, plan: BipedPlan, begin: str, edges: list[_Edge]) -> None:
+    """Draw the outcomes below one another; the one that was walked is bold."""
     axes.set_ylim(-0.5, len(edges) - 0.5)
-    axes.set_title("(b) the action strategy around the step", loc="left")
     middle = 0.5 * (len(edges) - 1)
-    _box(axes, 0.13, middle, f"{_named(state)}\naction: {_action(plan, step.action)}", style.BLACK, bold=True)
+    _box(axes, 0.13, middle, begin, style.BLACK, bold=True)
     for number, (label, flag, moved, taken) in enumerate(edges):
-        colour = COLOURS[flag]
-        axes.annotate(
-            "",
-            (0.71, number),
-            (0.25, middle),
-            arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2.6 if taken else 1.0, "shrinkA": 0, "shrinkB": 0},
-        )
+        _arrow(axes, (0.25, middle), (0.71, number), COLOURS[flag], bold=taken)
         place = middle + 0.7 * (number - middle)
         ground = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-        axes.text(0.57, place, label, fontsize=7, color=colour, ha="center", va="center", bbox=ground, zorder=6)
-        answer = plan.action.actions.get(moved.state)
-        after = "order achieved" if moved.achieved else "no answer" if answer is None else _action(plan, answer)
-        _box(axes, 0.83, number, f"{_named(moved.state)}\n{after}", colour, bold=taken)
+        axes.text(0.57, place, label, fontsize=7, color=COLOURS[flag], ha="center", va="center", bbox=ground, zorder=6)
+        _box(axes, 0.83, number, _reached(plan, moved), COLOURS[flag], bold=taken)
 
 
-def _edges(plan: BipedPlan, state: FineState, step: Step) -> list[tuple[str, str, Moved, bool]]:
+def _draw_chain(axes: Axes, plan: BipedPlan, begin: str, edge: _Edge) -> None:
+    """Draw the only outcome, and where the strategy goes from there while every step goes as planned."""
+    label, flag, moved, _ = edge
+    chain = [moved]
+    while len(chain) < _AHEAD and not chain[-1].achieved:
+        action = plan.action.actions.get(chain[-1].state)
+        if action is None:
+            break
+        chain.append(apply_action(plan.rules.tables, chain[-1].state, action, 0, 0))
+    axes.set_ylim(len(chain) + 0.5, -0.5)
+    _box(axes, 0.5, 0, begin, style.BLACK, bold=True)
+    for number, reached in enumerate(chain, 1):
+        _arrow(axes, (0.5, number - 0.68), (0.5, number - 0.34), COLOURS[flag], bold=number == 1)
+        said = label if number == 1 else "(+0, +0), as planned"
+        axes.text(0.53, number - 0.5, said, fontsize=7, color=COLOURS[flag], va="center")
+        _box(axes, 0.5, number, _reached(plan, reached), COLOURS[flag], bold=number == 1)
+
+
+def _arrow(axes: Axes, begin: tuple[float, float], end: tuple[float, float], colour: str, *, bold: bool) -> None:
+    look = {"arrowstyle": "-|>", "color": colour, "lw": 2.6 if bold else 1.0, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, begin, arrowprops=look)
+
+
+def _reached(plan: BipedPlan, moved: Moved) -> str:
+    """Return the text of a state that an outcome leads to: where it is, and what the strategy does there."""
+    answer = plan.action.actions.get(moved.state)
+    after = "order achieved" if moved.achieved else "no answer" if answer is None else _action(plan, answer)
+    return f"{_named(plan, moved.state)}\n{after}"
+
+
+def _edges(plan: BipedPlan, state: FineState, step: Step) -> list[_Edge]:
     """Return the outcomes of a step's action: label, flag, where it leads, and whether it was the one taken."""
     tables, yaw = plan.rules.tables, step.yaw_rad
     most, found = deviations(tables, state, step.action), []
@@ -186,9 +223,10 @@ def _scenario(source: RunSource) -> str:
     return str(source.plan.document["scenario"]["path"])
 
 
-def _named(state: FineState) -> str:
-    foot = "left" if state.stance == 0 else "right"
-    return f"cell ({state.row}, {state.column}), heading {state.heading}\n{foot} stance, {_MODES[state.mode]}"
+def _named(plan: BipedPlan, state: FineState) -> str:
+    """Say where a state is and which way it heads: degrees from the grid's north, clockwise."""
+    degrees, foot = 90 * state.heading / plan.rules.tables.turn_steps, "left" if state.stance == 0 else "right"
+    return f"cell ({state.row}, {state.column}), {degrees:g}\u00b0\n{foot} stance, {_MODES[state.mode]}"
 
 
 def _action(plan: BipedPlan, action: int) -> str:
@@ -200,7 +238,3 @@ def _action(plan: BipedPlan, action: int) -> str:
 def _box(axes: Axes, x: float, y: float, text: str, colour: str, *, bold: bool) -> None:
     look = {"boxstyle": "round,pad=0.35", "facecolor": "white", "edgecolor": colour, "linewidth": 2.4 if bold else 1.0}
     axes.text(x, y, text, fontsize=7, ha="center", va="center", bbox=look, zorder=5)
-
-
-def _flags() -> list[Line2D]:
-    return [Line2D([], [], color=colour, lw=1.8, label=flag) for flag, colour in COLOURS.items()]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from surefoot.robots import quadruped
 from surefoot.robots.legs import JOINTS, Legs, legs
+from surefoot.viewer.bodies import Chosen
 from surefoot.viewer.body import Pose, quadruped_parts, quaternions
 from surefoot.viewer.foothold_motion import FootholdMotion
 from surefoot.viewer.footholds import FOOT_COLOURS, FOOT_LABELS
@@ -39,6 +40,13 @@ class QuadrupedFigure(Protocol):
 
     def remarks(self) -> tuple[str, ...]:
         """Say the same of the whole motion."""
+
+
+def quadruped_figure(scene: Any, motion: FootholdMotion, chosen: Chosen) -> QuadrupedFigure:
+    """Draw the body that was chosen."""
+    if chosen.model is None or chosen.wearing is None:
+        return SimpleQuadruped(scene, motion)
+    return MeshedQuadruped(scene, motion, chosen.model, chosen.wearing)
 
 
 class SimpleQuadruped:

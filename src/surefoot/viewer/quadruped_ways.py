@@ -13,9 +13,9 @@ from matplotlib.lines import Line2D
 from surefoot.missions.bench_campaign import Campaign
 from surefoot.missions.bench_detours import Detour, records
 from surefoot.missions.bench_quadruped import Measured
-from surefoot.missions.bench_straight import Straight, by_heuristic
+from surefoot.missions.bench_straight import Steps, Straight, by_heuristic
 from surefoot.missions.bench_tables import TurnedRow, turned_rows
-from surefoot.skills import read_terrain
+from surefoot.skills import QuadrupedTerrain, read_terrain
 from surefoot.viewer import style
 from surefoot.viewer.quadruped_run import draw_map, inches
 
@@ -65,18 +65,21 @@ def draw_nearest_way(campaign: Campaign, way: Straight, path: Path) -> Path:
         panels = figure.subplots(1, 3)
         run = place / ("thinned" if way.thinned else "straight")
         handles = draw_map(panels[0], run, records(run))
-        panels[0].set_title(f"mission: {way.ended.transitions} segments, none out of reach")
+        panels[0].set_title(f"mission: {_judged(way.ours)}", fontsize=8.5)
         for axes, one in zip(panels[1:], (slow, fast), strict=True):
             draw_map(axes, run, [record for record in records(run) if record["record"] in ("header", "event")])
             _draw_footholds(axes, terrain, one.gait, one.speed_mps)
-            bad = f"{one.steps.out_of_reach} of {one.steps.footholds} out of reach, {one.steps.off_polygon} beside"
-            axes.set_title(f"nearest foothold, {one.speed_mps:g} m/s: {bad}", fontsize=8.5)
+            axes.set_title(f"nearest foothold, {one.speed_mps:g} m/s: {_judged(one.steps)}", fontsize=8.5)
         style.title(figure, f"{way.scene}, seed {way.seed}, bars taken away: widest distance {way.widest_m:.2f} m")
         style.legend_outside(figure, [*handles, *_foothold_handles()], columns=5)
     return path
 
 
-def _draw_footholds(axes: Axes, terrain: Any, gait: str, speed_mps: float) -> None:
+def _judged(steps: Steps) -> str:
+    return f"{steps.out_of_reach} of {steps.footholds} out of reach, {steps.off_polygon} beside"
+
+
+def _draw_footholds(axes: Axes, terrain: QuadrupedTerrain, gait: str, speed_mps: float) -> None:
     for one in by_heuristic(terrain, gait, speed_mps):
         out, beside = one.beyond_reach_m > _BESIDE_M, one.off_polygon_m > _BESIDE_M
         colour = style.VERMILION if out else style.BLUE

@@ -27,16 +27,22 @@ class Moving(Protocol):
     def caption(self, frame: int) -> str:
         """Say in a line what happens then."""
 
+    def notes(self) -> tuple[str, ...]:
+        """Say what is drawn otherwise than it was planned or logged."""
+
     def cameras(self) -> Cameras:
         """Return places to look from, by name; the first one is shown at the beginning."""
 
 
-def write_recording(path: Path, draw: Callable[[Any], Moving]) -> Path:
+def write_recording(path: Path, draw: Callable[[Any], Moving]) -> tuple[str, ...]:
     """Write what moves as one self-contained page with a time slider, a play button and places to look from.
 
     Args:
         path: of the HTML file.
         draw: draws into a viser scene.
+
+    Returns:
+        What is drawn otherwise than it was planned or logged; the page says it too.
 
     Raises:
         InputError: the file cannot be written.
@@ -55,5 +61,5 @@ def write_recording(path: Path, draw: Callable[[Any], Moving]) -> Path:
             if not captions or captions[-1][1] != text:
                 captions.append((round(float(moving.time_s[frame]) - begin_s, 4), text))
             serializer.insert_sleep(max(0.0, float(pause_s)))
-        write_page(path, serializer, moving.cameras(), captions)
-    return path
+        write_page(path, serializer, moving.cameras(), captions, moving.notes())
+    return moving.notes()

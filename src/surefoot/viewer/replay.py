@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from surefoot.errors import InputError
-from surefoot.viewer.biped_body import BipedBody, MeshedBiped, SimpleBiped
 from surefoot.viewer.bodies import Body, chosen_body
-from surefoot.viewer.foothold_motion import FootholdMotion, read_motion
+from surefoot.viewer.foothold_motion import read_motion
 from surefoot.viewer.foothold_scene import FootholdScene
-from surefoot.viewer.quadruped_figure import MeshedQuadruped, QuadrupedFigure, SimpleQuadruped
 from surefoot.viewer.quadruped_run import is_quadruped_run
-from surefoot.viewer.recording import Moving, write_recording
+from surefoot.viewer.recording import write_recording
 from surefoot.viewer.run_ground import read_run_ground
 from surefoot.viewer.run_scene import RunScene
 from surefoot.viewer.sources import RunSource, read_run_source
@@ -57,20 +54,8 @@ def write_quadruped(path: Path, out: Path, body: Body | None, say: Say) -> Path:
     if path.is_dir() and ground is None:
         say("the terrain file of the run is missing or was changed: only the ground that its plans knew is shown")
     chosen = chosen_body(motion.robot, biped=False, asked=body)
-    drawn: list[FootholdScene] = []
-
-    def figure(scene: Any, motion: FootholdMotion) -> QuadrupedFigure:
-        if chosen.model is None or chosen.wearing is None:
-            return SimpleQuadruped(scene, motion)
-        return MeshedQuadruped(scene, motion, chosen.model, chosen.wearing)
-
-    def draw(scene: Any) -> Moving:
-        drawn.append(FootholdScene(scene, motion, figure, ground))
-        return drawn[0]
-
-    write_recording(out, draw)
-    for remark in (*chosen.remarks, *drawn[0].figure.remarks()):
-        say(remark)
+    for note in write_recording(out, lambda scene: FootholdScene(scene, motion, chosen, ground)):
+        say(note)
     return out
 
 
@@ -92,18 +77,8 @@ def write_replay(
     """
     source, times = read_timeline(run_dir, rate_hz)
     chosen = chosen_body(source.plan.scenario.robot, biped=True, asked=body)
-    drawn: list[RunScene] = []
-
-    def figure(scene: Any, times: Timeline) -> BipedBody:
-        return SimpleBiped(scene, times) if chosen.model is None else MeshedBiped(scene, times, chosen.model)
-
-    def draw(scene: Any) -> Moving:
-        drawn.append(RunScene(scene, source, times, figure))
-        return drawn[0]
-
-    write_recording(path, draw)
-    for remark in (*chosen.remarks, *drawn[0].figure.body.remarks()):
-        say(remark)
+    for note in write_recording(path, lambda scene: RunScene(scene, source, times, chosen)):
+        say(note)
     return path
 
 

@@ -35,7 +35,7 @@ def read_robot(path: Path, packages: Path) -> RobotModel:
         text = path.read_bytes()
         if b"<!" in text.replace(b"<!--", b"").replace(b"<![CDATA[", b""):
             raise InputError("declares XML entities or types of its own, which is not allowed", source=path)
-        root = ElementTree.fromstring(text)  # noqa: S314: without declarations nothing can grow
+        root = ElementTree.fromstring(text)  # noqa: S314 - without declarations nothing can grow
         return (_urdf if path.suffix == ".urdf" else _sdf)(root, packages)
     except OSError as problem:
         raise InputError(f"cannot be read ({problem.strerror})", source=path) from problem

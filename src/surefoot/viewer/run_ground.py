@@ -60,17 +60,18 @@ class RunGround:
     goal_m: Array
 
 
-def read_run_ground(run_dir: Path) -> RunGround | None:
+def read_run_ground(run_dir: Path, *, growing: bool = False) -> RunGround | None:
     """Read the ground of a quadruped's run; None if its terrain is not there any more, or was changed.
 
     Args:
         run_dir: the folder of the run.
+        growing: whether a last line without its end is passed over, because it is still being written.
 
     Raises:
         InputError: the log or the terrain cannot be read.
     """
     log = run_dir / "run.jsonl"
-    records = [record for _, record in records_of(log)]
+    records = [record for _, record in records_of(log, growing=growing)]
     try:
         header = records[0]
         terrain = run_dir / str(header["terrain"]["path"])

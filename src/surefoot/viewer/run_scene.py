@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,11 +11,11 @@ from surefoot.frames import Cell
 from surefoot.missions.run_log import Step
 from surefoot.viewer import style
 from surefoot.viewer.belief_tiles import KIND_HUES, BeliefTiles
-from surefoot.viewer.biped_body import BipedBody
 from surefoot.viewer.biped_figure import BipedFigure
+from surefoot.viewer.bodies import SIMPLE, Chosen
 from surefoot.viewer.page import Cameras, add_solid, colour
 from surefoot.viewer.scenery import light
-from surefoot.viewer.solids import floor_m, floors, heights_of, walls
+from surefoot.viewer.solids import borders, floor_m, floors, heights_of, walls
 from surefoot.viewer.sources import PlanSource, RunSource
 from surefoot.viewer.stepping import in_world
 from surefoot.viewer.timeline import Timeline, centre_m
@@ -24,13 +23,14 @@ from surefoot.viewer.timeline import Timeline, centre_m
 _OBSTACLE_M = (0.3, 1.1)
 _JUMP_S = 4.0
 """Metres of arrow for a push of 1 m/s."""
-_PAPER = "#eceae4"
+_PAPER, _LINES = "#eceae4", "#c3bfb4"
 
 
 def add_ground(scene: Any, plan: PlanSource) -> None:
     """Draw floors, stairs, walls and goals."""
     heights = heights_of(plan)
     add_solid(scene, "/map/floors", floors(plan, heights), _PAPER, cast_shadow=False)
+    scene.add_line_segments("/map/cells", borders(plan, heights), colour(_LINES), line_width=1.0)
     add_solid(scene, "/map/walls", walls(plan.occupancy), style.WALL)
     for number, cell in enumerate(plan.cells("goals")):
         place = (*centre_m(plan, cell), floor_m(heights, cell) + 0.01)
@@ -57,7 +57,7 @@ class RunScene:
         scene: of a viser server.
         source: the run.
         times: the run, sampled.
-        body: draws the robot's body; None draws the simple one.
+        chosen: the body that is drawn.
     """
 
     def __init__(
@@ -65,15 +65,15 @@ class RunScene:
         scene: Any,
         source: RunSource,
         times: Timeline,
-        body: Callable[[Any, Timeline], BipedBody] | None = None,
+        chosen: Chosen = SIMPLE,
     ) -> None:
-        self.scene, self.source, self.times = scene, source, times
+        self.scene, self.source, self.times, self.chosen = scene, source, times, chosen
         self.turn, self.text = -1, ""
         self.pushed = 0
         light(scene)
         add_ground(scene, source.plan)
         self.tiles = BeliefTiles(scene, source.plan)
-        self.figure = BipedFigure(scene, times, source.run.steps, body)
+        self.figure = BipedFigure(scene, times, source.run.steps, chosen)
         self.obstacles = [self._obstacle(number) for number in range(times.obstacles_m.shape[1])]
         self.label = scene.add_label("/robot/order", "", anchor="bottom-center", font_screen_scale=1.1)
         self._mark_pushes()
@@ -109,6 +109,10 @@ class RunScene:
         foot = f"from the {step.stance} foot, to {step.next_apex_speed_mps:.2f} m/s"
         remark = self.figure.body.remark(frame)
         return f"Step {step.step}: {self._says(frame)} ({foot})" + (f"; {remark}" if remark else "")
+
+    def notes(self) -> tuple[str, ...]:
+        """Say what is drawn otherwise than it was logged."""
+        return (*self.chosen.remarks, *self.figure.body.remarks())
 
     def cameras(self) -> Cameras:
         """Return places to look from, by name."""

@@ -220,6 +220,8 @@ def draw_physics(classes: NamedClasses, results: Sequence[CheckResult], path: Pa
         handles = [Patch(facecolor=colours[gait], label=gait) for gait in gaits]
         there = {one.verdict for one in results}
         handles += [Patch(facecolor=c, label=word) for verdict, (c, word) in _ANSWERS.items() if verdict in there]
+        if len(results) < len(panels) * len(names) ** 2:
+            handles.append(Patch(facecolor="white", edgecolor="#888888", label="not asked"))
         count = sum(one.verdict is Physics.FEASIBLE for one in results)
         style.title(figure, f"{classes.name}: {count} of {len(results)} primitives feasible")
         style.legend_outside(figure, handles, columns=6)

@@ -343,6 +343,32 @@ def region_planes(z: Floats, labels: Ints, count: int) -> Floats:
 
 
 @njit(cache=True)
+def largest_misses(
+    z: Floats, labels: Ints, means: Floats, label: int, plane: Floats, top: int, left: int, rows: int, columns: int
+) -> tuple[float, float]:
+    """Return the largest distance of a region from its plane within a rectangle: of local means, and of single cells.
+
+    Args:
+        z: measured heights.
+        labels: of the regions.
+        means: of the distances, over the cells around.
+        label: of the region.
+        plane: of the region.
+        top, left, rows, columns: the rectangle.
+    """
+    mean, single = 0.0, 0.0
+    for r in range(top, top + rows):
+        for c in range(left, left + columns):
+            if labels[r, c] != label:
+                continue
+            if not np.isnan(means[r, c]):
+                mean = max(mean, abs(means[r, c]))
+            if not np.isnan(z[r, c]):
+                single = max(single, abs(z[r, c] - plane[0] - plane[1] * c - plane[2] * r))
+    return mean, single
+
+
+@njit(cache=True)
 def own_means(misses: Floats, labels: Ints, half: int) -> Floats:
     """Return for every cell of a region the mean of a value over the cells of the same region around it; else NaN."""
     rows, columns = misses.shape

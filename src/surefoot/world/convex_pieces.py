@@ -16,6 +16,8 @@ import numpy as np
 import shapely  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
+from surefoot.world._convex_kernels import convex_ring, without_straight
+
 Floats = NDArray[np.float64]
 
 _EPS = 1e-9
@@ -37,6 +39,10 @@ def convex_pieces(polygon: Any, smallest: float = 0.0) -> list[Floats]:
     """
     if polygon.is_empty or polygon.area <= smallest:
         return []
+    if not shapely.get_num_interior_rings(polygon):
+        ring = convex_ring(shapely.get_coordinates(polygon)[:-1], _REPEATED)
+        if len(ring):
+            return [without_straight(ring)]
     polygon = shapely.orient_polygons(shapely.remove_repeated_points(polygon, _REPEATED))
     if _is_convex(polygon):
         return [piece for piece in [clean_outline(polygon)] if len(piece) >= 3]
@@ -59,16 +65,7 @@ def clean_outline(face: Any) -> Floats:
     if hull.geom_type != "Polygon":
         return np.empty((0, 2))
     points = shapely.get_coordinates(shapely.orient_polygons(hull))[:-1]
-    size = float(np.ptp(points, axis=0).max())
-    while len(points) > 3:
-        ahead, back = np.concatenate((points[1:], points[:1])), np.concatenate((points[-1:], points[:-1]))
-        turn = _cross(points - back, ahead - points)
-        height = turn / np.maximum(np.hypot(*(ahead - back).T), _EPS)
-        worst = int(np.argmin(height))
-        if height[worst] > 1e-5 * size:
-            break
-        points = np.concatenate((points[:worst], points[worst + 1 :]))
-    outline: Floats = points
+    outline: Floats = without_straight(points)
     return outline
 
 

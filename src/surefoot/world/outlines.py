@@ -7,7 +7,6 @@ within half a cell of the plain answer.
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 from typing import Any
 
@@ -15,16 +14,16 @@ import numpy as np
 import shapely  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
+from surefoot.world._outline_kernels import UNSURE_CELLS, beside, contours, fitted, framed
+
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-Line = tuple[float, float, float, float]
 
 SIMPLIFY_CELLS = (1.0, 0.6)
-UNSURE_CELLS = 0.5
-"""A scan knows an edge to half a cell."""
 FEW = 6
 TIP_CELLS = 1.45
-SURE_POINTS = 10
+TIP_NEIGHBOURS = 5
+"""A cell with so many neighbours in the region is a tip: the corner it belongs to may reach farther, unseen."""
 THIN = 0.35
 """A region of which the margin leaves less is thin: between other things whose corners may reach into it unseen."""
 
@@ -41,9 +40,11 @@ def inset_outline(mask: Flags, margin_cells: float, least_cells: float = 0.0) ->
         A polygon or multipolygon in (column, row) coordinates, whole numbers at the centres of cells, perhaps empty;
         and the area [cells] that the margin leaves of the plain contour, to measure the former against.
     """
-    rings = contour_rings(mask)
-    outside, tips = _beside(mask)
-    contour = _without(_region(rings), tips, UNSURE_CELLS)
+    wide = framed(mask)
+    rings = contour_rings(wide)
+    outside, reaching = beside(wide, TIP_NEIGHBOURS)
+    tips = outside[reaching]
+    contour = _without(_region(rings, sound=True), tips, UNSURE_CELLS)
     plain = _shrunk(contour, margin_cells)
     if plain.area < least_cells:
         return shapely.Polygon(), float(plain.area)
@@ -62,25 +63,10 @@ def inset_outline(mask: Flags, margin_cells: float, least_cells: float = 0.0) ->
     return _shrunk(contour, inward), float(plain.area)
 
 
-def _beside(mask: Flags) -> tuple[Floats, Floats]:
-    """Return the centres of the cells that touch a region from outside, and those of them that are tips.
-
-    A tip has most of its neighbours in the region: the corner it belongs to may reach a cell farther, unseen.
-    """
-    from scipy import ndimage
-
-    framed = np.pad(mask, 2)
-    count = ndimage.convolve(framed.astype(np.int8), np.ones((3, 3), np.int8), mode="constant")
-    rows, columns = np.nonzero((count > 0) & ~framed)
-    centres = np.column_stack((columns, rows)).astype(np.float64) - 2.0
-    return centres, centres[count[rows, columns] >= 5]
-
-
 def _too_near(shape: Any, points: Floats, distance: float) -> Flags:
-    """Return which points are nearer to a shape than a distance (corners of the border count a trifle farther)."""
-    border = shapely.buffer(shape, distance - 1e-6, quad_segs=4)
-    shapely.prepare(border)
-    found: Flags = shapely.contains_xy(border, points)
+    """Return which points are nearer to a shape than a distance."""
+    shapely.prepare(shape)
+    found: Flags = shapely.dwithin(shape, shapely.points(points), distance - 1e-6)
     return found
 
 
@@ -97,13 +83,10 @@ def _shrunk(shape: Any, cells: float) -> Any:
     return shapely.buffer(shape, -cells, join_style="mitre", mitre_limit=3.0)
 
 
-def contour_rings(mask: Flags) -> list[Floats]:
-    """Return the closed contours (n, 2) of a mask in (column, row) coordinates, without the repeated last point."""
-    from skimage.measure import find_contours
-
-    framed = np.pad(mask, 1).astype(np.float64)
-    rings = find_contours(framed, 0.5, fully_connected="low")  # type: ignore[no-untyped-call]
-    return [ring[:-1, ::-1] - 1.0 for ring in rings if len(ring) > 3]
+def contour_rings(wide: Flags) -> list[Floats]:
+    """Return the closed contours (n, 2) of a framed mask in (column, row) coordinates, without the repeated point."""
+    points, begins = contours(wide)
+    return [points[a:b] for a, b in pairwise(begins.tolist())]
 
 
 def straightened(ring: Floats, tolerance: float) -> Floats:
@@ -120,11 +103,8 @@ def straightened(ring: Floats, tolerance: float) -> Floats:
     corners = _corners(points, tolerance)
     if len(corners) < 4:
         return ring
-    lines = [_line(points[a : b + 1]) for a, b in pairwise(corners)]
-    out = []
-    for k in range(len(lines)):
-        out.extend(_meeting(lines[k - 1], lines[k], points[corners[k]]))
-    return np.array(out) if len(out) >= 3 else ring
+    out = fitted(points, np.array(corners))
+    return out if len(out) >= 3 else ring
 
 
 def _corners(closed: Floats, tolerance: float) -> list[int]:
@@ -134,49 +114,13 @@ def _corners(closed: Floats, tolerance: float) -> list[int]:
     return [index[x, y] for x, y in kept[:-1].tolist()] + [len(closed) - 1]
 
 
-def _line(points: Floats) -> Line:
-    """Return a point (x, y) and the unit direction of the line through some points in order."""
-    first, last = points[0], points[-1]
-    chosen = points[1:-1] if len(points) > 5 else points
-    count = len(chosen)
-    if count > 3:
-        x, y = chosen.sum(axis=0) / count
-        dx, dy = (chosen - (x, y)).T
-        angle = 0.5 * math.atan2(2 * float(dx @ dy), float(dx @ dx - dy @ dy))
-        ux, uy = math.cos(angle), math.sin(angle)
-        if ux * (last[0] - first[0]) + uy * (last[1] - first[1]) < 0:
-            ux, uy = -ux, -uy
-    else:
-        (x, y), (ux, uy) = (first + last) / 2, last - first
-        length = math.hypot(ux, uy)
-        ux, uy = ux / length, uy / length
-    depth = (chosen[:, 1] - y) * ux - (chosen[:, 0] - x) * uy
-    if count < SURE_POINTS:
-        shift = float(depth.max())
-    else:
-        shift = float(np.partition(depth, int(0.9 * count))[int(0.9 * count)]) - UNSURE_CELLS
-    shift = max(shift, 0.0)
-    return float(x - shift * uy), float(y + shift * ux), float(ux), float(uy)
+def _region(rings: list[Floats], *, sound: bool = False) -> Any:
+    """Return the polygons that nested rings bound: a point is inside when an odd number of rings is around it.
 
-
-def _meeting(before: Line, after: Line, corner: Floats) -> list[tuple[float, float]]:
-    """Return where two fitted edges meet; where they are almost parallel, the corner moved onto each of them."""
-    (px, py, ux, uy), (qx, qy, vx, vy) = before, after
-    cx, cy = float(corner[0]), float(corner[1])
-    cross = ux * vy - uy * vx
-    if abs(cross) > 0.2:
-        t = ((qx - px) * vy - (qy - py) * vx) / cross
-        x, y = px + t * ux, py + t * uy
-        if math.hypot(x - cx, y - cy) <= 2.0:
-            return [(x, y)]
-    s, t = (cx - px) * ux + (cy - py) * uy, (cx - qx) * vx + (cy - qy) * vy
-    a, b = (px + s * ux, py + s * uy), (qx + t * vx, qy + t * vy)
-    return [((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)] if math.dist(a, b) < 0.6 else [a, b]
-
-
-def _region(rings: list[Floats]) -> Any:
-    """Return the polygons that nested rings bound: a point is inside when an odd number of rings is around it."""
-    shapes = [_valid(shapely.polygons(ring)) for ring in rings if len(ring) >= 3]
+    Contours are sound: no ring of theirs meets itself.
+    """
+    shapes = [shapely.polygons(ring) for ring in rings if len(ring) >= 3]
+    shapes = shapes if sound else [_valid(shape) for shape in shapes]
     if not shapes:
         return shapely.Polygon()
     if len(shapes) == 1:

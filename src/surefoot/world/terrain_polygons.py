@@ -193,21 +193,22 @@ class _Builder:
         self.taken[place] |= mask
         flat_m2 = sum(area_of(piece) for piece in kept)
         self.flat_m2 += flat_m2
-        error_m = self._measure(mask, place, label)
+        error_m = self._measure(place, label)
         indices = tuple(range(first, len(self.polygons)))
         self.regions.append(TerrainRegion(normal, offset_m, size * cell_m**2 / rise, flat_m2 / rise, indices, error_m))
 
-    def _measure(self, mask: NDArray[np.bool_], place: tuple[slice, slice], label: int) -> float:
+    def _measure(self, place: tuple[slice, slice], label: int) -> float:
         """Return the largest distance of the ground from the plane, and remember the largest of all regions."""
-        misses = np.abs(self.found.misses_m[place][mask])
-        error_m = float(np.nanmax(misses)) if np.isfinite(misses).any() else 0.0
-        rows, columns = np.nonzero(mask)
-        a, b, d = self.found.planes[label]
-        plane = a + b * (columns + place[1].start) + d * (rows + place[0].start)
-        apart = np.abs(self.elevation.height_m[place][mask] - plane)
-        self.error_m = max(self.error_m, error_m)
-        self.cell_error_m = max(self.cell_error_m, float(np.nanmax(apart)) if np.isfinite(apart).any() else 0.0)
-        return error_m
+        from surefoot.world._plane_kernels import largest_misses
+
+        heights, found = self.elevation.height_m, self.found
+        (top, left), (rows, columns) = (one.start for one in place), (one.stop - one.start for one in place)
+        plane = found.planes[label]
+        mean, single = largest_misses(
+            heights, found.labels, found.misses_m, label, plane, top, left, rows, columns
+        )
+        self.error_m, self.cell_error_m = max(self.error_m, mean), max(self.cell_error_m, single)
+        return float(mean)
 
     def _plane(self, label: int) -> tuple[tuple[float, float, float], float]:
         """Return unit normal and offset of a region's plane in the world."""

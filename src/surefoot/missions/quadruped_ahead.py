@@ -1,0 +1,54 @@
+"""Skills that the way to the goal will need, made before the robot sets out, so that it does not wait for them later.
+
+The route is followed from request to request as the executive would, on the ground as it is known; what comes otherwise
+is the business of the runtime repair.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+
+from surefoot.missions.quadruped_route import Edge, Pose, Routes, moves_from, pose_on_map
+from surefoot.missions.quadruped_skills import Handled, SkillBook
+from surefoot.missions.quadruped_world import World
+from surefoot.skills.headings import Turning
+from surefoot.skills.values import Cell, TerrainState, Way
+
+_MOST_REQUESTS = 1000
+
+
+def looked_ahead(
+    world: World, book: SkillBook, pose: Pose, goal: Cell, closed: Collection[Edge] = ()
+) -> Iterator[Handled]:
+    """Yield what the book says to every request on the way, until the goal or the end of all ways.
+
+    Args:
+        world: the map.
+        book: skills; grows.
+        pose: where the robot is.
+        goal: cell of the map.
+        closed: moves that failed, or that were given up.
+    """
+    for _ in range(_MOST_REQUESTS):
+        state = world.state(*pose)
+        if state is None or pose[0] == goal:
+            return
+        known = len(book.knowledge.refused)
+        routes = Routes(world, goal, pose[1], book.knowledge.refused, closed, book.turning)
+        for local in routes.wishes(pose[0], state, world.terrain.requests):
+            handled = book.strategy(state, local, ())
+            yield handled
+            if handled.winning:
+                pose = pose_on_map(pose, end_of(handled.ways, state, book.turning), (state.rows, state.columns))
+                break
+        else:
+            if len(book.knowledge.refused) == known:
+                return
+
+
+def end_of(ways: Mapping[Pose, Way | None], state: TerrainState, turning: Turning | None) -> Pose:
+    """Return the local pose in which a strategy stays."""
+    pose: Pose = (state.centre, 0)
+    while (way := ways[pose]) is not None:
+        pose = next(after for primitive, after in moves_from(state, pose, turning) if primitive.direction == way)
+    return pose
