@@ -10,8 +10,11 @@ from __future__ import annotations
 import argparse
 import shutil
 import tempfile
+import threading
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from PIL import Image
 
@@ -25,6 +28,31 @@ FLAGS = (
     "--headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader "
     "--disable-background-networking"
 )
+TANK = """[INPUT]
+rain
+
+[OUTPUT]
+level: 0...7
+drain
+
+[SYS_INIT]
+level = 3
+! drain
+
+[SYS_TRANS]
+(rain' & ! drain') -> (level' = level+1)
+(! rain' & ! drain') -> (level' = level)
+drain' -> (level'+1 = level)
+(level' >= 1)
+(level' <= 6)
+
+[SYS_LIVENESS]
+level = 2
+level = 5
+
+[ENV_LIVENESS]
+rain
+"""
 
 
 def keep(picture: Path, name: str) -> None:
@@ -36,7 +64,7 @@ def keep(picture: Path, name: str) -> None:
         scaled = small.copy()
         scaled.thumbnail((width, 3 * width), Image.Resampling.LANCZOS)
         out = PICTURES / f"{name}.png"
-        scaled.quantize(colours, dither=Image.Dither.NONE).save(out, optimize=True)
+        scaled.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(out, optimize=True)
         if out.stat().st_size < LARGEST_BYTES:
             return
     raise SystemExit(f"{out} stays larger than {LARGEST_BYTES} bytes")
@@ -58,6 +86,25 @@ def mission(work: Path) -> dict[str, object]:
     (answers,) = view_answers(plan, Asked(Cell(3, 4)), work)
     keep(answers, "mission_answers")
     return {"turns": walked.turns, "corrections": walked.waypoint_corrections, "goals": sum(walked.goals_reached)}
+
+
+def pushes(work: Path) -> dict[str, object]:
+    """Walk the two rooms while somebody pushes, and draw a step that a region's law recovered."""
+    from surefoot.missions.biped import run_mission
+    from surefoot.missions.pushes import push_source
+    from surefoot.missions.run_log import read_run
+    from surefoot.viewer import view_step
+
+    run = work / "pushed"
+    walked = run_mission(
+        SCENES / "two_rooms_mission.yaml", work / "plan", steps=STEPS, seed=0, obstacle="random", out=run,
+        pushes=push_source("random", 0, {}),
+    )  # fmt: skip
+    steps = [one for one in read_run(run).steps if one.push is not None and one.push.recovery == "region"]
+    chosen = max(steps, key=lambda one: len(one.push.omegas_before_switch + one.push.omegas_after_switch))
+    keep(view_step(run, chosen.step, work)[0], "pushes_step")
+    names = ("pushes", "recovered_in_region", "recovered_by_step", "falls")
+    return {name: getattr(walked, name) for name in names}
 
 
 def regions(work: Path) -> dict[str, object]:
@@ -133,11 +180,27 @@ def classes(work: Path) -> None:
     keep(draw_classes(class_set("unstructured-8"), work / "classes.png"), "skills_classes")
 
 
+def walk(work: Path) -> dict[str, object]:
+    """Walk a quadruped over stones and gaps, and draw the walk and the skills that it found."""
+    from surefoot.missions.quadruped import QuadrupedOrder, run_quadruped
+    from surefoot.viewer import view_folder, view_run
+
+    command("skills terrain unstructured-4 --seed 0 -o", work / "ground.yaml")
+    walked = run_quadruped(QuadrupedOrder(work / "ground.yaml"), work / "walk")
+    for picture in (*view_run(work / "walk", work / "walk"), *view_folder(work / "ground.yaml", work)):
+        keep(picture, f"walk_{picture.stem}")
+    return {"transitions": walked.transitions, "skills": walked.new_skills, "seconds": round(walked.walked_s, 1)}
+
+
 def photographs(work: Path) -> None:
-    """Photograph the pages of the run, the foothold plan and the strategy."""
+    """Photograph the pages of the runs, the foothold plan and the strategies, and the live views."""
     from surefoot.viewer import view_page
 
+    (work / "tank.structuredslugs").write_text(TANK, "utf-8")
+    command(f"synth {work / 'tank.structuredslugs'} -o", work / "tank.json")
     pages = {
+        "page_walk": (view_page(work / "walk", work / "walk.html"), "follow", 6.0),
+        "page_specification": (view_page(work / "tank.json", work / "tank.html"), None, 0.0),
         "page_replay": (view_page(work / "run", work / "replay.html"), "overview", 41.0),
         "page_replay_follow": (work / "replay.html", "follow", 60.0),
         "page_footholds": (view_page(work / "stones.json", work / "footholds.html"), "overview", 0.8),
@@ -165,7 +228,46 @@ def photographs(work: Path) -> None:
                 page.wait_for_timeout(4000)
             page.screenshot(path=work / f"{name}.png", timeout=90_000)
             keep(work / f"{name}.png", name)
+        live(page, work)
         browser.close()
+
+
+def live(page: Any, work: Path) -> None:
+    """Photograph live views: of a walk of which half is logged, and of a strategy."""
+    from surefoot.viewer.live import serving
+    from surefoot.viewer.live_strategy import StrategyView
+    from surefoot.viewer.page import HOST, server
+    from surefoot.viewer.strategy_choices import Question
+
+    log = work / "walk" / "run.jsonl"
+    lines = log.read_text("utf-8").splitlines(keepends=True)
+    log.write_text("".join(lines[: len(lines) // 2]), "utf-8")
+    stop = threading.Event()
+    with serving(work / "walk", None) as (address, view):
+        following = threading.Thread(target=view.run, args=(stop,))
+        following.start()
+        photograph(page, address, "/robot/trunk", work / "live_walk.png")
+        stop.set()
+        following.join()
+    with server() as running:
+        shown = StrategyView(running, work / "plan")
+        one = shown.book.strategy
+        decisions = zip(one.goal.tolist(), one.heading.tolist(), one.state.tolist(), strict=True)
+        known = Counter(decision for decision in decisions if any(one.states[decision[2]].hidden))
+        (goal, heading, state), _ = known.most_common(1)[0]
+        shown.ask(Question(goal, heading, None, one.states[state].visible, state))
+        photograph(page, f"http://{HOST}:{running.get_port()}", "/orders", work / "live_strategy.png")
+
+
+def photograph(page: Any, address: str, node: str, path: Path) -> None:
+    """Photograph a live view when a node of its scene is there."""
+    page.goto(address)
+    page.wait_for_function(f"window.__viserMutable?.nodePoseData?.[{node!r}] !== undefined")
+    page.wait_for_timeout(6000)
+    page.locator("#webgl-software-rendering button").click()
+    page.wait_for_timeout(1000)
+    page.screenshot(path=path, timeout=90_000)
+    keep(path, path.stem)
 
 
 def command(line: str, *paths: Path) -> None:
@@ -182,7 +284,7 @@ def main() -> None:
     PICTURES.mkdir(parents=True, exist_ok=True)
     numbers: dict[str, dict[str, object]] = {}
     steps: tuple[Callable[[Path], dict[str, object] | None], ...]
-    steps = (mission, regions, footholds, classes, photographs, baselines, quadruped)
+    steps = (mission, pushes, regions, footholds, classes, walk, photographs, baselines, quadruped)
     with tempfile.TemporaryDirectory() as folder:
         for step in steps:
             print(step.__name__, flush=True)

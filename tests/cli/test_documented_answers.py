@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from surefoot.cli import main
+from synthetic_run import write_run
 
 DOCS = Path(__file__).parents[2] / "docs" / "answers.md"
 SPECIFICATION = "[INPUT]\nknock\n\n[OUTPUT]\ndoor\n\n[SYS_LIVENESS]\ndoor\n"
@@ -63,3 +64,12 @@ def test_the_keys_of_reach(capsys: pytest.CaptureFixture[str]) -> None:
         "0.02",
     ]
     assert set(printed(asked, capsys)) == documented("reach")
+
+
+def test_the_keys_of_view(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run, files = (
+        str(write_run(tmp_path, laps=1)),
+        ["--html", str(tmp_path / "a.html"), "--mcap", str(tmp_path / "a.mcap")],
+    )
+    found = set(printed(["view", run], capsys)) | set(printed(["view", run, *files], capsys))
+    assert found | {"followed"} == documented("view")

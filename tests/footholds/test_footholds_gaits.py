@@ -28,6 +28,13 @@ def test_the_first_swing_of_a_trot_starts_after_sample_0() -> None:
     assert second.cleared == range(5, 14)
 
 
+@pytest.mark.parametrize("name", ["trot-2s", "trot-3s"])
+def test_mirrored_trots_swap_left_and_right(name: str) -> None:
+    usual, mirrored = (contact_table(NAMED[one], 0.025) for one in (name, f"{name}-mirrored"))
+    assert (usual[:, [1, 0, 3, 2]] == mirrored).all()
+    assert (usual != mirrored).any()
+
+
 def test_a_run_that_ends_in_the_air_is_no_footstep() -> None:
     gait = Gait(("STANCE", "LF_RH"), (0.0, 0.5, 1.0))
     assert footsteps(contact_table(gait, 0.1)) == ()

@@ -21,11 +21,12 @@ from surefoot.footholds import FreeGait, read_problem, solve, solve_with_gaits, 
 from surefoot.footholds.ascent import Ascent, even_prices
 from surefoot.footholds.cells import cell_count, fixed, gait_of, obeys
 from surefoot.footholds.decide import decided_exactly
-from surefoot.footholds.dual import Prices, Pricing
+from surefoot.footholds.dual import Pricing
 from surefoot.footholds.flips import neighbours
 from surefoot.footholds.free_families import FREE_FAMILIES, free_problem_of
 from surefoot.footholds.free_form import free_form, reach_boxes
 from surefoot.footholds.gaits import contact_table, gait_text, read_gait
+from surefoot.footholds.sharing import Prices
 from surefoot.footholds.skeleton import skeleton
 from surefoot.footholds.solvers import HighsSolver, run_highs, solver_of
 from surefoot.footholds.templates import first_templates, templates
@@ -280,7 +281,9 @@ def test_any_prices_bound_the_cost_of_a_plan(seed: int) -> None:
     problem = tiny(0.25)
     reach = rng.normal(size=(problem.samples, 4, 3)) * 10 ** rng.uniform(0, 3)
     pull = even_prices(problem).pull + rng.normal(size=(problem.samples, 3)) * rng.uniform(0, 3)
-    assert Pricing(problem, 16).at(Prices(reach, pull)).bound <= PLAN_COST * (1 + 1e-9)
+    contact = even_prices(problem).contact * rng.uniform(0, 3, cell_count(problem))
+    prices = Prices(reach, pull, contact, split=float(rng.choice([0.0, rng.uniform(0, 0.99)])))
+    assert Pricing(problem, 16).at(prices).bound <= PLAN_COST * (1 + 1e-9)
 
 
 PLAN_COST = solve(fixed(tiny(0.25), every_table(5)[9]), certify=False, why=False).objective or np.inf

@@ -54,7 +54,9 @@ def test_without_a_library_the_runtime_repair_finds_what_is_needed(field: Path, 
     assert answer["verified"], answer["findings"]
     assert answer["repairs"] > 0
     assert answer["new_skills"] > 0
-    new = [skill for one in records(tmp_path / "run", "request") for skill in one["new"]]
+    assert answer["idle_s"] == 0
+    new = [skill for one in records(tmp_path / "run", "prepared") for skill in one["new"]]
+    assert len(new) == answer["new_skills"]
     assert all((tmp_path / "run" / skill["plan"]["path"]).is_file() for skill in new)
 
 
@@ -89,6 +91,74 @@ def test_ground_that_goes_and_a_push_break_assumptions(field: Path, tmp_path: Pa
     assert answer["verified"], answer["findings"]
     assert [one["event"] for one in records(tmp_path / "run", "event")][1]["push_m"] == [-0.6, 0.0]
     assert answer["transitions"] > 3
+
+
+@pytest.mark.parametrize(
+    ("event", "why"),
+    [
+        ("{at_segment: 1, hole_m: [[-9, -9], [9, 9]]}", "own cell has become an obstacle"),
+        ("{at_segment: 0, obstacle_m: [[0.3, 1.1], [0.5, 1.3]]}", "own cell has become an obstacle"),
+        ("{at_segment: 1, hole_m: [[1.30, 1.28], [1.46, 1.44]]}", "below a foot"),
+        ("{at_segment: 2, obstacle_m: [[2.7, 1.1], [2.9, 1.3]]}", "no way"),
+    ],
+)
+def test_what_cannot_be_helped_ends_with_a_reason(field: Path, tmp_path: Path, event: str, why: str) -> None:
+    answer = walked(field, tmp_path / "run", "--events", events(tmp_path / "events.yaml", event))
+    assert answer.keys() >= KEYS
+    assert not answer["reached"]
+    assert why in answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    assert records(tmp_path / "run", "end")[0]["why_not"] == answer["why_not"]
+
+
+def test_pushes_out_of_the_map_and_to_the_goal(field: Path, tmp_path: Path) -> None:
+    file = events(tmp_path / "events.yaml", "{at_segment: 1, push_m: [-9, 0]}", "{at_segment: 2, push_m: [0.8, 0]}")
+    answer = walked(field, tmp_path / "run", "--events", file)
+    assert answer["reached"]
+    assert answer["verified"], answer["findings"]
+    assert answer["transitions"] == 2
+    assert answer["detours"] == 0
+    assert [one["stands"] is None for one in records(tmp_path / "run", "event")] == [True, False]
+
+
+def test_who_is_there_already_has_arrived(field: Path, tmp_path: Path) -> None:
+    answer = walked(field, tmp_path / "run", "--goal", "0.7,1.0")
+    assert answer.keys() >= KEYS
+    assert answer["reached"]
+    assert answer["transitions"] == 0
+    assert answer["verified"], answer["findings"]
+
+
+def test_nobody_starts_where_nobody_can_stand(field: Path, tmp_path: Path) -> None:
+    text = (field / "field.yaml").read_text().replace("cells: [4, 3]", "cells: [4, 4]")
+    (tmp_path / "wide.yaml").write_text(text.replace("origin_m: [0, 0]", "origin_m: [0, -0.8]"))
+    with pytest.raises(InputError, match=r"cell \(3, 3\).*ground"):
+        surefoot("run", tmp_path / "wide.yaml", "--start", "0.4,-0.4", "-o", tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+def test_grids_of_five_by_five_see_the_whole_field(field: Path, tmp_path: Path) -> None:
+    text = (field / "field.yaml").read_text()
+    (tmp_path / "five.yaml").write_text(text.replace("cells: [4, 3]", "cells: [4, 3]\ngrid: [5, 5]"))
+    ends = ("--library", field / "library", "--goal", "2.0,1.2")
+    _, said = surefoot("run", tmp_path / "five.yaml", *ends, "-o", tmp_path / "run", "--json")
+    answer = json.loads(said)
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    assert len(records(tmp_path / "run", "request")) == 1
+    assert answer["new_skills"] == 0
+
+
+def test_slopes_are_walked(tmp_path: Path) -> None:
+    head = "format: 1\nkind: quadruped-terrain\nclasses: unstructured-8\norigin_m: [0, 0]\ncells: [3, 1]\n"
+    corners = "[[0, 0, 0], [2.4, 0, 0.2], [2.4, 0.8, 0.2], [0, 0.8, 0]]"
+    (tmp_path / "slope.yaml").write_text(f"{head}polygons:\n  - vertices_m: {corners}\n")
+    ends = ("--start", "0.4,0.4", "--goal", "2.0,0.4")
+    _, said = surefoot("run", tmp_path / "slope.yaml", *ends, "-o", tmp_path / "run", "--json")
+    answer = json.loads(said)
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    assert records(tmp_path / "run", "segment")[-1]["primitive"] == "forward flat->high"
 
 
 def test_a_program_that_fails_disallows_its_move_on_this_ground_only(field: Path, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,13 +13,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from quadruped_field import write_field
+from surefoot.footholds.gaits import FreeGait, Gait
 from surefoot.footholds.terrain import polygon
+from surefoot.missions.quadruped_ahead import looked_ahead
+from surefoot.missions.quadruped_crossing import OnlineLimits, cross, crossing
 from surefoot.missions.quadruped_route import Routes, in_grid, offset_on_map, on_map
+from surefoot.missions.quadruped_skills import SkillBook
+from surefoot.missions.quadruped_stance import stance_about
 from surefoot.missions.quadruped_timeline import delay_of, delays, timeline
 from surefoot.missions.quadruped_world import World, cut
+from surefoot.robots.quadruped import quadruped
 from surefoot.skills import LocalGrid, generated, read_terrain
+from surefoot.skills.headings import turning_of
 from surefoot.skills.patches import Rectangle
-from surefoot.skills.values import OBSTACLE, Direction, Primitive
+from surefoot.skills.values import OBSTACLE, CheckResult, Direction, Physics, Primitive, TerrainState
 
 TERRAIN = generated("unstructured-4", 0, grid=(5, 5))
 SECONDS = st.floats(0, 10)
@@ -118,3 +126,79 @@ def test_way_points_come_nearer_to_the_goal(world: World) -> None:
     wishes = routes.wishes((3, 1), state, None)
     assert wishes[0] == (0, 1)
     assert all(routes.left[on_map((3, 1), one, 0, (3, 3))] < routes.left[3, 1] for one in wishes)
+
+
+class Answers:
+    """Physics that says yes but for some primitives, and remembers what it was asked."""
+
+    def __init__(self, *refused: str) -> None:
+        self.refused, self.asked = refused, list[str]()
+
+    def __call__(self, primitives: Sequence[Primitive]) -> Iterator[CheckResult]:
+        for one in primitives:
+            self.asked.append(one.name)
+            verdict = Physics.INFEASIBLE if one.name in self.refused else Physics.FEASIBLE
+            yield CheckResult(one, verdict, "trot-2s", "", 0.0)
+
+
+def test_what_the_way_needs_is_made_ahead(world: World, tmp_path: Path) -> None:
+    physics = Answers("forward flat->dense")
+    book = SkillBook(None, physics, tmp_path)
+    made = list(looked_ahead(world, book, ((3, 1), 0), (0, 1)))
+    asked = [result.primitive.name for one in made for result in one.checked]
+    assert asked == physics.asked
+    assert len(asked) == len(set(asked))
+    assert "forward flat->flat" in asked
+    physics.asked.clear()
+    assert not any(one.checked for one in looked_ahead(world, book, ((3, 1), 0), (0, 1)))
+    assert physics.asked == []
+
+
+TURNING = turning_of(TERRAIN.classes, (Direction.FORWARD, Direction.BACKWARD))
+NARROW = TerrainState((("obstacle", "dense", "obstacle"), ("obstacle", "flat", "obstacle"), ("obstacle",) * 3))
+
+
+@pytest.mark.parametrize("refused", [(), ("forward flat->dense",)])
+def test_a_step_ahead_is_worth_a_question(tmp_path: Path, refused: tuple[str, ...]) -> None:
+    known = Answers("forward flat->dense")
+    quick = Answers(*refused)
+    book = SkillBook(None, known, tmp_path, TURNING, quick)
+    at_hand = ("turn-left flat->flat", "backward flat->dense", "turn-left dense->dense")
+    book.knowledge = book.knowledge.extended(known([Primitive.parse(name) for name in at_hand]))
+    assert len(_followed(book)) == 3
+    asked = book.short_cuts(NARROW, (0, 1))
+    assert [one.primitive.name for one in asked] == ["forward flat->dense"]
+    assert len(_followed(book)) == (3 if refused else 1)
+    assert book.short_cuts(NARROW, (0, 1)) == ()
+    assert book.knowledge.refused == {}
+
+
+def _followed(book: SkillBook) -> list[str]:
+    """Return what a strategy does from the start on."""
+    ways, pose, done = book.strategy(NARROW, (0, 1), ()).ways, (NARROW.centre, 0), list[str]()
+    while (way := ways[pose]) is not None:
+        done.append(way)
+        pose = TURNING.after(pose, way)
+    return done
+
+
+def test_a_gait_is_found_on_the_real_polygons(world: World) -> None:
+    robot = quadruped("go2")
+    stance = stance_about(robot, world, world.terrain.centre_m((3, 1)), 0)
+    assert stance is not None
+    problem = crossing(robot, world, stance, (2, 1), 0, FreeGait(2.0), OnlineLimits())
+    crossed = cross(problem, None, OnlineLimits())
+    assert crossed.reason == ""
+    assert isinstance(crossed.problem.gait, Gait)
+    assert crossed.problem.gait.horizon_s == pytest.approx(2.0)
+    hurried = cross(problem, None, OnlineLimits(time_limit_s=0.0))
+    assert hurried.reason.startswith("limit:")
+    assert not hurried.infeasible
+
+
+def test_nobody_stands_outside_of_the_map(world: World) -> None:
+    assert stance_about(quadruped("go2"), world, (-3.0, 1.0), 0) is None
+    assert not world.holds(np.array([-3.0, 1.0, 0.0]))
+    assert world.holds(np.array([0.4, 0.4, 0.0]))
+    nothing = world.without_ground(Rectangle(-9, -9, 9, 9))
+    assert all(nothing.state(cell) is None for cell in nothing.terrain.measured)

@@ -86,11 +86,15 @@ def test_bad_input_gets_a_sentence(
     assert sentence in capsys.readouterr().err
 
 
-def test_terrain_that_nobody_can_stand_on_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_terrain_that_nobody_can_stand_on_is_explained(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "terrain.yaml"
     path.write_text(
         "format: 1\nkind: quadruped-terrain\nclasses: unstructured-8\ncells: [2, 2]\norigin_m: [0, 0]\n"
         "polygons: [{vertices_m: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]}]\n"
     )
-    assert run("skills", "terrain", str(path)) == 2
+    assert run("skills", "terrain", str(path)) == 1
+    told = capsys.readouterr().out
+    assert "4 of 4 cells are obstacles" in told
+    assert "the robot can stand in none of them" in told
+    assert run("skills", "synthesize", str(path), "-o", str(tmp_path / "library")) == 2
     assert "the robot can stand in none of the 4 cells" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""Robots written for tests: the Go2's joints with boxes for looks, and one mesh file."""
+"""Robots written for tests: the joints of the Go2 and of Cassie with boxes for looks, and one mesh file."""
 
 from __future__ import annotations
 
@@ -49,6 +49,44 @@ def _joint(name: str, kind: str, links: tuple[str, str], place: tuple[float, flo
         f'<joint name="{name}" type="{kind}"><origin xyz="{at}" rpy="0 0 0"/><parent link="{links[0]}"/>'
         f'<child link="{links[1]}"/><axis xyz="{axis}"/></joint>'
     )
+
+
+_CASSIE = (
+    ("hip-roll", "pelvis", "roll-op", "0.021 {y}0.135 1.01 0 1.5708 0", "0 0 1"),
+    ("hip-yaw", "hip-roll", "yaw-op", "-0.049 {y}0.135 1.01 0 0 0", "0 0 -1"),
+    ("hip-pitch", "hip-yaw", "pitch-op", "-0.049 {y}0.135 0.92 0 1.5708 -1.5708", "0 0 1"),
+    ("knee", "hip-pitch", "knee-op", "-0.049 {y}0.1305 0.8 -1.5708 0.7854 3.1416", "0 0 1"),
+    ("shin", "knee", "knee-shin-joint", "-0.058383 {y}0.1305 0.72357 -1.5708 0.7854 3.1416", "0 0 1"),
+    ("tarsus", "shin", "shin-tarsus-joint", "-0.35166 {y}0.1305 0.402 1.5708 1.3439 0", "0 0 1"),
+    ("heel-spring", "tarsus", "tarsus-spring-joint", "-0.38432 {y}0.12958 0.40749 1.6 -1.3734 -0.1", "0 0 1"),
+    ("foot-crank", "tarsus", "tarsus-crank-joint", "-0.37174 {y}0.10775 0.33784 1.5708 1.3439 0", "0 0 1"),
+    ("foot", "tarsus", "foot-op", "-0.29886 {y}0.1305 -0.0045361 1.5708 1.3439 0", "0 0 1"),
+    ("plantar-rod", "foot-crank", "crank-rod-joint", "-0.35937 {y}0.11566 0.28425 1.5708 1.3439 0", "0 0 1"),
+    ("achilles-rod", "heel-spring", "achilles-spring-joint", "-0.049 {y}0.09 0.92 0 0.91441 3.1416", "0 0 1"),
+)
+"""Links of a leg with their poses at angles of 0: link, carrier, joint, x y z roll pitch yaw, axis."""
+
+
+def write_cassie(share: Path) -> Path:
+    """Write an SDF of Cassie's joints where the package of robots has its; return it."""
+    path = share / PACKAGE / "robots" / "cassie_description" / "robots" / "cassie_v2.sdf"
+    path.parent.mkdir(parents=True)
+    lines = ['<sdf version="1.6"><model name="boxes">', _link("pelvis", "0 0 1.01 0 0 0")]
+    for side, sign in (("left", ""), ("right", "-")):
+        for link, parent, joint, pose, axis in _CASSIE:
+            carrier = parent if parent == "pelvis" else f"{side}-{parent}"
+            lines += [
+                _link(f"{side}-{link}", pose.format(y=sign)),
+                f'<joint name="{side}-{joint}" type="revolute"><parent>{carrier}</parent><child>{side}-{link}</child>'
+                f"<axis><xyz>{axis}</xyz></axis></joint>",
+            ]
+    path.write_text("\n".join([*lines, "</model></sdf>"]))
+    return path
+
+
+def _link(name: str, pose: str) -> str:
+    box = "<visual name='v'><geometry><box><size>0.06 0.06 0.06</size></box></geometry></visual>"
+    return f'<link name="{name}"><pose>{pose}</pose>{box}</link>'
 
 
 def _tetrahedron(size: float) -> bytes:

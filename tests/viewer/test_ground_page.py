@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from browsing import Opened, browser
+from rosbag_reading import read
 
 from quadruped_field import write_field
 from surefoot.cli import main
@@ -116,6 +117,22 @@ def _on_ground(polygons: tuple[Any, ...], place: tuple[float, float]) -> bool:
         (one[:, :2].min(axis=0) <= place).all() and (np.array(place) <= one[:, :2].max(axis=0)).all()
         for one in polygons
     )
+
+
+def test_the_recording_has_the_ground_of_every_phase(run_folder: Path) -> None:
+    assert main(["view", str(run_folder), "--mcap", str(run_folder / "run.mcap")]) == 0
+    ground, recorded = read_run_ground(run_folder), read(run_folder / "run.mcap")
+    assert ground is not None
+    assert [time_s for time_s, _ in recorded["/terrain"]] == pytest.approx([1.0, OBSTACLE_S, HOLE_S])
+    for phase, (_, message) in zip(ground.phases, recorded["/terrain"], strict=True):
+        assert sum(one.action == 0 for one in message.markers) == len(phase.polygons_m)
+    places = [[one.pose.position for one in message.markers] for _, message in recorded["/obstacles"]]
+    assert [[(round(place.x, 6), round(place.y, 6)) for place in some] for some in places] == [[], *[[(1.8, 1.2)]] * 2]
+    words = [message.data for _, message in recorded["/skill"]]
+    assert words[0] == "segment 0: forward flat->flat"
+    assert words[1].startswith("segment 1: turn-left flat (before it: ")
+    assert [time_s for time_s, _ in recorded["/way_point"]] == pytest.approx([1.0, SECOND_S])
+    assert recorded["/goals"][0][1].markers[0].pose.position.x == pytest.approx(2.8)
 
 
 def test_a_changed_terrain_is_said_and_what_the_plans_knew_is_shown(

@@ -11,15 +11,20 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from browsing import Opened, browser
 
 from quadruped_field import surefoot, write_field
 from surefoot.cli import main
 from surefoot.errors import InputError
+from surefoot.skills.patches import Rectangle
 from surefoot.viewer.foothold_motion import read_motion
+from surefoot.viewer.ground_scene import GroundScene
 from surefoot.viewer.live import serving
 from surefoot.viewer.live_beside import watching
+from surefoot.viewer.page import server
+from surefoot.viewer.run_ground import Phase, RunGround, WayPoint
 from synthetic_run import write_run
 
 TRUNK = "window.__viserMutable?.nodePoseData?.['/robot/trunk']"
@@ -130,3 +135,26 @@ def test_a_port_without_a_view_is_refused(tmp_path: Path, capsys: pytest.Capture
         assert main(["run", str(scenario), "--port", "8080", "-o", str(tmp_path / "run")]) == 2
         assert "--port belongs to --view; give both or only --view" in capsys.readouterr().err
     assert not (tmp_path / "run").exists()
+
+
+def test_the_ground_grows_with_what_happens() -> None:
+    square = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
+    other, place = square + np.array([1.1, 0.0, 0.0]), np.array([0.5, 0.5, 0.0])
+    before = RunGround((Phase(0.0, (square, other), ()),), (WayPoint(0.0, place),), place)
+    after = RunGround(
+        (*before.phases, Phase(2.0, (square,), (Rectangle(1.1, 0.0, 2.1, 1.0),))),
+        (*before.way_points, WayPoint(3.0, place)),
+        place,
+    )
+    with server() as running:
+        scene = GroundScene(running.scene, before)
+        scene.show(0.0)
+        assert [node.visible for node in scene.boxes] == []
+        scene.grow(after)
+        for time_s, solids, boxes, way_points in ((1.0, 2, 0, 0), (2.5, 1, 1, 0), (3.5, 1, 1, 1)):
+            scene.show(time_s)
+            shown = [(first, last) for (first, last), node in scene.solids if node.visible]
+            assert len(shown) == solids
+            assert sum(node.visible for node in scene.boxes) == boxes
+            assert [node.visible for node in scene.marks].index(True) == way_points
+        assert running.scene.get_handle_by_name("/obstacles/0") is scene.boxes[0]

@@ -9,16 +9,21 @@ import pytest
 from browsing import browser
 
 from surefoot.missions.run_log import read_run
+from surefoot.viewer.bodies import Body
+from surefoot.viewer.mesh_files import package_folder
 from surefoot.viewer.replay import write_replay
 from synthetic_run import write_run
 
 
 @pytest.mark.campaign
 @pytest.mark.xdist_group("browser")
-def test_a_replay_of_500_steps_is_small_and_opens_quickly(tmp_path: Path) -> None:
+@pytest.mark.parametrize("body", list(Body))
+def test_a_replay_of_500_steps_is_small_and_opens_quickly(body: Body, tmp_path: Path) -> None:
+    if body is Body.MESHES and package_folder() is None:
+        pytest.skip("the extra `meshes` is not installed, so none are shown")
     folder = write_run(tmp_path, laps=7)
     assert len(read_run(folder).steps) >= 500
-    page = write_replay(folder, tmp_path / "replay.html")
+    page = write_replay(folder, tmp_path / "replay.html", body=body)
     assert page.stat().st_size < 10_000_000
     taken_s = []
     with browser() as opened:

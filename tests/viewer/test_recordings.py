@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from rosbags.highlevel import AnyReader
+from rosbag_reading import read
 from scipy.spatial.transform import Rotation
 
 from surefoot.cli import main
@@ -20,15 +19,6 @@ from surefoot.robots import quadruped
 from surefoot.robots.legs import JOINTS, legs
 from surefoot.viewer.replay import read_timeline
 from synthetic_run import CELL_M, HIDDEN, write_run
-
-
-def read(path: Path) -> dict[str, list[tuple[float, Any]]]:
-    """Return the messages of every topic with their times [s]."""
-    found: dict[str, list[tuple[float, Any]]] = defaultdict(list)
-    with AnyReader([path]) as reader:
-        for connection, time_ns, raw in reader.messages():
-            found[connection.topic].append((time_ns / 1e9, reader.deserialize(raw, connection.msgtype)))
-    return found
 
 
 @pytest.fixture(scope="module")

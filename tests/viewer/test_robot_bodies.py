@@ -10,16 +10,24 @@ from typing import Any
 import numpy as np
 import pytest
 from browsing import Opened, browser
-from own_robot import write_go2
+from own_robot import write_cassie, write_go2
 
 from surefoot.cli import main
 from surefoot.footholds import read_problem, solve, write_plan
 from surefoot.viewer import mesh_files
+from surefoot.viewer.bodies import chosen_body
 from surefoot.viewer.cassie import SIDES, link_poses
 from surefoot.viewer.mesh_files import model_of, package_folder, parts_of
+from surefoot.viewer.page import server
+from surefoot.viewer.replay import read_timeline
+from surefoot.viewer.robot_files import read_robot
+from surefoot.viewer.robot_model import RobotModel
+from surefoot.viewer.run_scene import RunScene
 from synthetic_run import write_run
 
 SAMPLES = (7, 30, 61)
+RODS = (("achilles-rod", "heel-spring", 0.5012, 2e-3), ("plantar-rod", "foot", 0.3501, 6e-3))
+"""Their lengths [m], and how far their ends may wander on the link that holds them."""
 LINKS = {"FL_foot": 0, "FR_foot": 1, "RL_foot": 2, "RR_foot": 3}
 installed = pytest.mark.skipif(
     package_folder() is None, reason="the extra `meshes` is not installed, so none are shown"
@@ -139,27 +147,59 @@ def cassie_feet() -> tuple[Any, Any]:
     return np.stack([left, left[::-1] * (1, -1, 1)], axis=1), np.stack([ahead, ahead * (1, -1, 1)], axis=1)
 
 
-@installed
-def test_cassies_soles_are_where_they_should_be_and_its_rods_are_as_long_as_ever() -> None:
-    model = model_of("cassie")
+def check_cassie(model: RobotModel) -> None:
+    """Check that soles are at their places and level, and that the coupled joints keep the lengths of the rods."""
     feet_m, ahead = cassie_feet()
     poses, away_m = link_poses(model, feet_m, ahead)
     assert away_m.max() < 1e-3
     for number, side in enumerate(SIDES):
-        shape = next(part for part in parts_of(model, 10**6) if part.link == f"{side}-foot").vertices_m
-        pose = poses[f"{side}-foot"]
-        lowest = np.array([(one[:3, :3] @ shape.T).T[:, 2].min() + one[2, 3] for one in pose])
-        assert lowest == pytest.approx(feet_m[:, number, 2], abs=2e-3)
-        tip = poses[f"{side}-achilles-rod"] @ np.array([0.5012, 0.0, 0.0, 1.0])
-        spring = np.linalg.inv(poses[f"{side}-heel-spring"]) @ tip[..., None]
-        assert np.ptp(spring[:, :3, 0], axis=0).max() < 2e-3
+        foot = poses[f"{side}-foot"]
+        ends = [foot @ np.array([x, y, 0.0, 1.0]) for x, y in ((0.08848, -0.00024), (-0.04619, 0.11282))]
+        for end in ends:
+            assert end[:, 2] == pytest.approx(feet_m[:, number, 2], abs=2e-3)
+        along = (ends[1] - ends[0])[:, :2]
+        turned = np.arctan2(ahead[:, number, 1], ahead[:, number, 0])
+        assert np.arctan2(along[:, 1], along[:, 0]) == pytest.approx(turned, abs=1e-3)
+        for rod, end, length_m, most_m in RODS:
+            tip = poses[f"{side}-{rod}"] @ np.array([length_m, 0.0, 0.0, 1.0])
+            held = np.linalg.inv(poses[f"{side}-{end}"]) @ tip[..., None]
+            assert np.ptp(held[:, :3, 0], axis=0).max() < most_m
+
+
+def test_soles_are_where_they_should_be_and_rods_are_as_long_as_ever(tmp_path: Path) -> None:
+    check_cassie(read_robot(write_cassie(tmp_path), tmp_path))
 
 
 @installed
-def test_a_foot_that_cassie_cannot_reach_is_counted() -> None:
+def test_the_same_holds_for_the_published_cassie() -> None:
+    check_cassie(model_of("cassie"))
+
+
+def test_a_foot_that_cassie_cannot_reach_is_counted(tmp_path: Path) -> None:
     feet_m, ahead = cassie_feet()
-    _, away_m = link_poses(model_of("cassie"), feet_m - (0.0, 0.0, 0.6), ahead)
+    _, away_m = link_poses(read_robot(write_cassie(tmp_path), tmp_path), feet_m - (0.0, 0.0, 0.6), ahead)
     assert away_m.min() > 0.05
+
+
+def test_a_biped_wears_cassies_meshes_when_it_is_asked_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The scene's numbers are those of a viser server without a browser."""
+    write_cassie(tmp_path / "share")
+    monkeypatch.setattr(mesh_files, "package_folder", lambda: tmp_path / "share")
+    run = write_run(tmp_path, laps=1)
+    command = ["view", str(run), "--html", str(tmp_path / "r.html"), "--body", "meshes", "--json"]
+    assert main(command) == 0
+    assert json.loads(capsys.readouterr().out)["remarks"][0] == "there are no meshes of digit: those of cassie stand in"
+    source, times = read_timeline(run)
+    with server() as running:
+        scene = RunScene(running.scene, source, times, chosen_body("cassie", biped=True, asked=None))
+        for frame in (0, times.frames // 2, times.frames - 1):
+            scene.show(frame)
+            nodes = scene.figure.body.body.nodes  # type: ignore[attr-defined]
+            assert nodes["pelvis"].position == pytest.approx(times.com_m[frame])
+            assert {"left-foot", "right-foot", "left-achilles-rod"} <= set(nodes)
+    assert scene.notes() == () or "out of the legs' reach" in scene.notes()[0]
 
 
 @installed

@@ -46,6 +46,19 @@ def test_meshes_are_scaled_and_coloured_and_simplified(tmp_path: Path) -> None:
     assert foot.faces.shape == (4, 3)
 
 
+def test_the_faces_of_a_mirrored_mesh_look_outwards(tmp_path: Path) -> None:
+    path = write_go2(tmp_path)
+    path.write_text(path.read_text().replace('scale="2 2 2"', 'scale="2 2 -2"', 1))
+    volumes = [
+        np.einsum("fi,fi->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+        for part in parts_of(read_robot(path, tmp_path))
+        if part.link.endswith("foot")
+        for corners in [part.vertices_m[part.faces]]
+    ]
+    assert len(volumes) == 4
+    assert min(volumes) > 0
+
+
 def test_poses_in_an_sdf_are_those_of_the_model_and_loops_are_left_out(tmp_path: Path) -> None:
     (tmp_path / "arm.sdf").write_text(SDF)
     model = read_robot(tmp_path / "arm.sdf", tmp_path)

@@ -66,6 +66,27 @@ def test_the_orders_are_those_of_the_strategy(
 
 
 @pytest.mark.xdist_group("browser")
+def test_dropdowns_choose_the_cell_and_the_obstacles_in_view(
+    opened: Opened, source: PlanSource, strategy: NavigationStrategy
+) -> None:
+    opened.page.click("#everywhere")
+    row = int(np.argmax([bool(any(strategy.states[state].visible)) for state in strategy.state]))
+    cell, heading, goal = int(strategy.cell[row]), int(strategy.heading[row]), int(strategy.goal[row])
+    ((seen,),) = strategy.states[strategy.state[row]].visible
+    place, at = source.grid.cell(cell), source.grid.cell(seen)
+    for name, value in (("goal", goal), ("heading", heading), ("cell", cell)):
+        opened.page.select_option(f"#{name}", str(value))
+    opened.page.select_option("#seen", f"({at.row}, {at.column})")
+    with_it = (strategy.cell == cell) & (strategy.heading == heading) & (strategy.goal == goal)
+    states = [state for state in strategy.state[with_it] if strategy.states[state].visible == ((seen,),)]
+    assert int(opened.page.get_attribute("#state", "max")) + 1 == len(states)
+    assert f"of {len(states)} with the robot in cell ({place.row}, {place.column})" in opened.page.inner_text("#words")
+    assert opened.page.locator("[data-seen]").count() == 1
+    opened.page.click("#everywhere")
+    assert opened.page.input_value("#cell") == ""
+
+
+@pytest.mark.xdist_group("browser")
 def test_nothing_is_asked_of_the_network(opened: Opened) -> None:
     assert len(opened.requests) == 1
     assert opened.errors == []

@@ -27,7 +27,7 @@ RESYNTHESIS_MS = 5.0
 _TARGETS_MS = {"unstructured-4": 100.0, "unstructured-8": 200.0, "rebar-7": 200.0, "rebar-14": 200.0}
 _PAPER = {
     "unstructured-4": "370 ms",
-    "unstructured-8": "490 ms; 2650 ms with collision",
+    "unstructured-8": "490 ms",
     "rebar-7": "1110 ms",
     "rebar-14": "1090 ms",
 }

@@ -38,6 +38,18 @@ A first hour:
   surefoot run my.yaml --plan plan/ -o run/    walk it among moving obstacles
   surefoot view run/                           pictures of the run
 
+A quadruped on stones, gaps or rebar:
+
+  surefoot skills terrain unstructured-4 -o ground.yaml   ground, made up
+  surefoot terrain segment scan.png --help                or from a scan
+  surefoot skills synthesize ground.yaml -o library/      what it can do there
+  surefoot run ground.yaml --library library/ -o walk/    walk there
+
+Any specification (GR(1)):
+
+  surefoot synth spec.structuredslugs -o strategy.json    realizable? strategy
+  surefoot explain spec.structuredslugs                   if not, why
+
 Exit codes: 0 yes, 1 no (such as not realizable), 2 bad input,
 3 a limit was reached, 4 a bug in Surefoot, 130 interrupted (Ctrl-C).
 """

@@ -1,4 +1,4 @@
-"""``surefoot view``: pictures of a run or a plan."""
+"""``surefoot view``: pictures, pages, live views and recordings of whatever Surefoot made."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def view(
     heading: Annotated[Heading | None, typer.Option(help="With this heading; default: the commonest there.")] = None,
     goal: Annotated[int | None, typer.Option(min=0, help="On the way to this goal; default: the commonest.")] = None,
     step: Annotated[
-        int | None, typer.Option(min=0, help="Of a run: this step, with its push and the strategy around it.")
+        int | None, typer.Option(min=0, help="Of a biped's run: this step, its push and the strategy around it.")
     ] = None,
     html: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a page: a run or footholds in motion, a strategy to ask.")
@@ -60,14 +60,22 @@ def view(
         Path | None, typer.Option(metavar="FILE", help="Record it as ROS 2 messages, for Foxglove and rosbag2.")
     ] = None,
     follow: Annotated[
-        bool, typer.Option("--follow", help="Of a run: show it in the browser while it is walked, until Ctrl-C.")
+        bool,
+        typer.Option(
+            "--follow",
+            "--live",
+            help="Serve a run while it is walked, or a plan's strategy, to this machine's browsers until Ctrl-C.",
+        ),
     ] = False,
     port: Annotated[
         int | None, typer.Option(min=1024, max=65535, help="Of --follow: listen there; default: any free port.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Draw a run, a plan, a scenario, footholds, regions or skills; show them in the browser; record them.
+    """Draw a run, a plan, a scenario, ground, footholds, regions or skills; show them in the browser; record them.
+
+    Without an option it draws pictures. What cannot be shown in a way says
+    in which ways it can.
 
     Examples:
       surefoot view run/
@@ -78,9 +86,14 @@ def view(
       surefoot view run/ --step 12
       surefoot view plan/ -o pictures/
       surefoot view plan/ --html strategy.html
+      surefoot view plan/ --live
+      surefoot view strategy.json --html strategy.html
       surefoot view footholds.json --html footholds.html
       surefoot view plan/ --cell 3,4 --heading west --goal 1
       surefoot view my.yaml
+      surefoot view terrain.yaml -o pictures/
+
+    Exit code 0: drawn, written, or looked at; 2: the input cannot be used.
     """
     from surefoot.viewer import view_answers, view_folder, view_step
 

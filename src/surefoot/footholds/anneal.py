@@ -2,13 +2,13 @@
 
 With the polygons of all footsteps given a program has no choices left, so that it is solved once, and once more with
 the forces as unknowns where friction or torque press. That is a fraction of what the search over all polygons takes;
-the polygons themselves are changed at random instead, and searched at the end of a round. Simulated annealing in rounds
-that grow, from a fixed seed: nothing depends on time.
+the polygons themselves are changed at random instead, and searched at the end of a round. Simulated annealing from a
+fixed seed, in rounds: from the best plan, and by turns from other families of gaits. Nothing depends on time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,12 +22,13 @@ from surefoot.footholds.problem import Problem
 from surefoot.footholds.rows import Array
 from surefoot.footholds.solve import cheapest, slack
 
-_HOT, _COLD = 0.05, 5e-4
-_FIRST_ROUND, _GROWTH = 200, 1.5
+_HOT, _COLD = 0.1, 5e-4
+_FIRST_ROUND, _GROWTH = 250, 1.2
 _POLYGON_SHARE = 0.25
 _NEAR_M = 0.4
 _AGAIN = 0.25
 _POLISH_GAP = 2e-3
+_ROUGH_GAP = 0.3
 _MOST_KEPT = 20_000
 
 
@@ -54,27 +55,36 @@ class Annealing:
     Args:
         problem: its gait is free.
         parts: of the programs.
+        starts: named contact tables; the first of every name that has a plan is the start of a round.
         stop: asked in the middle of long searches.
 
     Attributes:
         idle: how many steps in a row came to what was known.
     """
 
-    def __init__(self, problem: Problem, parts: Parts, stop: Callable[[], bool]) -> None:
+    def __init__(
+        self, problem: Problem, parts: Parts, starts: Iterator[tuple[str, Cells]], stop: Callable[[], bool]
+    ) -> None:
         self.problem = replace(problem, options=replace(problem.options, gap=_POLISH_GAP, first_plan=False))
         self.parts, self.stop = parts, stop
         self.here: Trial | None = None
         self.best: Trial | None = None
         self.polished: Trial | None = None
+        self.starts = starts
+        self.begun: set[str] = set()
+        self.scale = 0.0
         self.chance = np.random.default_rng(0)
-        self.done, self.length, self.idle, self.programs = 0, _FIRST_ROUND, 0, 0
+        self.done, self.rounds, self.length = 0, 0, _FIRST_ROUND
+        self.idle, self.programs = 0, 0
         self.known: dict[tuple[bytes, Choice], Trial | float] = {}
 
     def offer(self, cells: Cells, choice: Choice, value: float) -> None:
-        """Go on from a plan that was found elsewhere, when it is better than all so far."""
+        """Take a plan that was found elsewhere, when it is better than all so far."""
         if self.best is None or value < self.best.value:
             found = self._tried(cells, choice, np.inf)
-            self.here = self.best = found or self.best
+            if found is not None:
+                self.here = self.best = found
+                self.scale = self.scale or found.value
 
     def take_count(self) -> int:
         """Return how many contact tables were tried since this was last asked."""
@@ -87,10 +97,9 @@ class Annealing:
             return None
         self.done += 1
         if self.done > self.length:
-            self.done, self.length = 0, int(self.length * _GROWTH)
-            return self._polish()
+            return self._next_round()
         heat = _HOT * (_COLD / _HOT) ** (self.done / self.length)
-        worth = self.here.value - heat * self.best.value * float(np.log(max(self.chance.random(), 1e-12)))
+        worth = self.here.value - heat * self.scale * float(np.log(max(self.chance.random(), 1e-12)))
         changed = self._changed(self.here)
         self.idle += 1
         found = None if changed is None else self._looked_up(*changed, worth)
@@ -105,16 +114,40 @@ class Annealing:
             return found
         return None
 
-    def _polish(self) -> Trial | None:
-        """End a round: go back to the best plan, and search its polygons."""
+    def _next_round(self) -> Trial | None:
+        """Begin a round: by turns from a plan of another family, and from the best plan, its polygons searched."""
         assert self.best is not None
-        self.here = before = self.best
+        self.done, self.rounds, self.length = 0, self.rounds + 1, int(self.length * _GROWTH)
+        other = self._other_start() if self.rounds % 2 else None
+        better = None if other is not None else self._polished()
+        self.here = other or self.best
+        self.scale = self.here.value
+        return better
+
+    def _other_start(self) -> Trial | None:
+        for name, cells in self.starts:
+            if self.stop():
+                return None
+            if name not in self.begun:
+                at = fixed(self.problem, cells)
+                rough = replace(at, options=replace(at.options, gap=_ROUGH_GAP))
+                choice = cheapest(rough, cancelled=self.stop, worth=np.inf, parts=self.parts)[1]
+                found = None if choice is None else self._tried(cells, choice, np.inf)
+                if found is not None:
+                    self.begun.add(name)
+                    return found
+        return None
+
+    def _polished(self) -> Trial | None:
+        """Search the polygons of the best plan; return what is better."""
+        assert self.best is not None
+        before = self.best
         if self.polished is before or self.stop():
             return None
         at, worth = fixed(self.problem, before.cells), before.value * (1 - _POLISH_GAP)
         _, choice, _ = cheapest(at, cancelled=self.stop, worth=worth, parts=self.parts)
         found = None if choice is None else self._tried(before.cells, choice, before.value)
-        self.polished = self.here = found or before
+        self.polished = found or before
         return None if found is None else self._better(found)
 
     def _looked_up(self, cells: Cells, choice: Choice, worth: float) -> Trial | None:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from surefoot.footholds.dual import Priced, Prices, Pricing
+from surefoot.footholds.cells import cell_count, cell_samples
+from surefoot.footholds.dual import Priced, Pricing
 from surefoot.footholds.model import gravity
 from surefoot.footholds.nodes import Node
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.rows import FAMILIES, Array
+from surefoot.footholds.sharing import Prices, contact_prices, savings, upwards
 
 _FEET_EXPECTED = 2.7
-_REACH_SCALE = 1000.0
+_REACH_SCALE, _CONTACT_SCALE = 1000.0, 300.0
 _DEFLECTION = 0.7
 _LENGTH = 0.3
 _PATIENCE = 12
@@ -24,7 +28,7 @@ def prices_of_node(problem: Problem, node: Node) -> Prices:
     """Return the prices at which the solution of a program is the best one of its gait: its multipliers.
 
     Where forces are shared equally, the pull is w F / n; in flight, and where forces are unknowns, it is half the
-    multiplier of Newton's law.
+    multiplier of Newton's law. A foot in contact is paid what it saves.
     """
     multipliers, where = node.answer.multipliers, node.rows.where
     reach = np.zeros((problem.samples, 4, 3))
@@ -37,14 +41,32 @@ def prices_of_node(problem: Problem, node: Node) -> Prices:
     pull = problem.weights.force * problem.robot.mass_kg * (np.asarray(acceleration) - gravity(problem)) / counts
     law = (node.rows.family == FAMILIES.index("flight")) | (node.rows.family == FAMILIES.index("dynamics"))
     pull[where[law, 0], where[law, 1]] = multipliers[law] / 2
-    return Prices(reach, pull)
+    return with_contacts(problem, Prices(reach, pull, np.zeros(cell_count(problem))), problem.contacts.sum(axis=1))
+
+
+def with_contacts(problem: Problem, prices: Prices, held: Array) -> Prices:
+    """Return prices with those of contact at which so many feet, by sample, are best."""
+    by_cell = np.asarray(held, dtype=np.float64)[:: cell_samples(problem)]
+    return replace(prices, contact=contact_prices(savings(problem, prices), by_cell))
+
+
+def repriced(pricing: Pricing, prices: Prices, split: float) -> Prices:
+    """Return prices that pay a share of the base's acceleration with the force, and move the base as before."""
+    problem = pricing.problem
+    world = np.einsum("iab,ijb->ija", problem.rotations, prices.reach)
+    _, _, force = pricing.base(world.sum(axis=1), prices)
+    acceleration = force / problem.robot.mass_kg - upwards(problem)
+    share = (split - prices.split) * problem.weights.acceleration / problem.robot.mass_kg
+    shared = replace(prices, pull=prices.pull + share * acceleration, split=split)
+    return with_contacts(problem, shared, np.full(problem.samples, _FEET_EXPECTED))
 
 
 def even_prices(problem: Problem) -> Prices:
     """Return prices for a base that moves evenly on some three feet: reach is free, force costs what weight does."""
     pull = np.zeros((problem.samples, 3))
     pull[:, 2] = problem.weights.force * problem.robot.mass_kg * problem.gravity_mps2 / _FEET_EXPECTED
-    return Prices(np.zeros((problem.samples, 4, 3)), pull)
+    bare = Prices(np.zeros((problem.samples, 4, 3)), pull, np.zeros(cell_count(problem)))
+    return with_contacts(problem, bare, np.full(problem.samples, _FEET_EXPECTED))
 
 
 class Ascent:
@@ -57,7 +79,8 @@ class Ascent:
 
     def __init__(self, pricing: Pricing, start: Prices) -> None:
         self.pricing = pricing
-        self.size = start.reach.size
+        self.sizes = np.cumsum([start.reach.size, start.pull.size])
+        self.split = start.split
         self.here = self.best_at = self._flat(start)
         self.best = -np.inf
         self.direction: Array = np.zeros_like(self.here)
@@ -88,7 +111,8 @@ class Ascent:
             hope: cost of the best plan, which the bound cannot exceed.
         """
         priced = self.pricing.at(self._prices(self.here))
-        slope = np.concatenate([priced.slope.reach.ravel() * _REACH_SCALE, priced.slope.pull.ravel()])
+        up = priced.slope
+        slope = np.concatenate([up.reach.ravel() * _REACH_SCALE, up.pull.ravel(), up.contact * _CONTACT_SCALE])
         if priced.bound > self.best:
             self.best, self.best_at, self.failures = priced.bound, self.here, 0
         else:
@@ -103,7 +127,10 @@ class Ascent:
         return priced
 
     def _flat(self, prices: Prices) -> Array:
-        return np.concatenate([prices.reach.ravel() / _REACH_SCALE, prices.pull.ravel()])
+        return np.concatenate(
+            [prices.reach.ravel() / _REACH_SCALE, prices.pull.ravel(), prices.contact / _CONTACT_SCALE]
+        )
 
     def _prices(self, flat: Array) -> Prices:
-        return Prices(flat[: self.size].reshape(-1, 4, 3) * _REACH_SCALE, flat[self.size :].reshape(-1, 3))
+        reach, pull, contact = np.split(flat, self.sizes)
+        return Prices(reach.reshape(-1, 4, 3) * _REACH_SCALE, pull.reshape(-1, 3), contact * _CONTACT_SCALE, self.split)

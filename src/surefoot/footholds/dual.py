@@ -1,12 +1,10 @@
 """A lower bound for all gaits at once: base and feet are priced apart, and each foot takes its cheapest pattern.
 
 Two things couple the feet: the reach rows tie each of them to the base, and the feet in contact share the force. Prices
-(multipliers) ``reach`` on the rows of Eq. (16), and ``pull`` y on the force of every sample, as for n feet in contact
-
-    w |F|^2 / n  >=  2 y . F - n |y|^2 / w        for every y, with equality at y = w F / n,
-
-take the coupling apart: the base is one linear system, and every foot a shortest path (``paths``). For any prices the
-sum is a lower bound of the cost of every gait; friction, torque and collision are left out, which only lowers it.
+(multipliers) on the rows of Eq. (16), on the force of every sample and on contact in every cell (``sharing``) take the
+coupling apart: the base is one linear system, and every foot a shortest path (``paths``). For any prices the sum is a
+lower bound of the cost of every gait; friction, torque and collision are left out, which only lowers it. Where the base
+is known to stay within a tube (``tube``), feet stand only where it keeps them within reach.
 """
 
 from __future__ import annotations
@@ -18,26 +16,15 @@ from functools import cached_property
 import numpy as np
 
 from surefoot.footholds.cells import Cells, cell_count, cell_samples
-from surefoot.footholds.paths import STANCE, SWING, WIDE_M, cheapest_path
+from surefoot.footholds.paths import STANCE, SWING, WIDE_M, Flags, cheapest_path
 from surefoot.footholds.places import Places, places_of
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.rows import Array, Index
+from surefoot.footholds.sharing import Prices, dearness, left_over, savings, shifted, upwards
 from surefoot.footholds.swings import SwingCosts, swing_costs, swing_of
+from surefoot.footholds.tube import Tube, reachable, tube_of_ends
 
 _LEVELS = 2
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Prices:
-    """Multipliers.
-
-    Attributes:
-        reach: of Eq. (16), positive where the upper bound presses, in the axes of the base, shape (N, 4, 3).
-        pull: y of every sample, shape (N, 3).
-    """
-
-    reach: Array
-    pull: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +42,6 @@ class Priced:
     slope: Prices
     cells: Cells
     base_m: Array
-    parts: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +68,8 @@ class FootCosts:
         value, path = cheapest_path(
             low, high, middle, self.pricing.level[foot], self.square, self.slopes[foot], self.constants[foot],
             self.swings.ends, self.swings.slopes[foot], self.swings.constants[foot], self.swings.high_slopes[foot],
-            self.swings.high_constants[foot], allowed, self.pricing.problem.options.min_dwell_cells,
+            self.swings.high_constants[foot], allowed, self.pricing.within[foot],
+            self.pricing.problem.options.min_dwell_cells,
         )  # fmt: skip
         return value, [(int(a), int(b), int(box)) for a, b, box in path if a >= 0][::-1]
 
@@ -103,9 +90,10 @@ class Pricing:
         problem: its gait is free.
         budget: how many boxes of footholds each foot gets.
         points: whether only their middles count: no bound, but a concave function with a true supergradient.
+        tube: where the base stays; none: what its ends tell.
     """
 
-    def __init__(self, problem: Problem, budget: int, *, points: bool = False) -> None:
+    def __init__(self, problem: Problem, budget: int, *, points: bool = False, tube: Tube | None = None) -> None:
         self.problem, self.points = problem, points
         self.count, self.per = cell_count(problem), cell_samples(problem)
         self.places: list[Places] = [places_of(problem, foot, budget) for foot in range(4)]
@@ -116,6 +104,16 @@ class Pricing:
         heights = [middle[:, 2] for _, _, middle in self.boxes]
         self.levels_m = levels_of(np.concatenate(heights))
         self.level = [np.abs(own[:, None] - self.levels_m).argmin(axis=1) for own in heights]
+        self._halved: dict[float, tuple[Array, Array]] = {}
+        self.confine(tube or tube_of_ends(problem))
+
+    def confine(self, tube: Tube) -> None:
+        """Let feet stand only where a base in this tube can keep them within reach."""
+        self.within: list[Flags] = []
+        for foot, here in enumerate(self.places):
+            point = self.problem.feet_m[foot][None]
+            low, high = np.concatenate([here.low, point]), np.concatenate([here.high, point])
+            self.within.append(reachable(self.problem, tube, foot, low, high))
 
     def _boxes(self, here: Places, foot: int) -> tuple[Array, Array, Array]:
         """Return the corners of the boxes of a foot and a likely point in each; the start foothold is the last."""
@@ -138,55 +136,60 @@ class Pricing:
         divided: Array = matrix / self.problem.step_s**2
         return divided
 
-    @cached_property
-    def base_inverse(self) -> Array:
-        """Inverse of the base's Hessian between its ends."""
-        weights, size = self.problem.weights, self.problem.samples
-        hessian = 2 * weights.acceleration * self.second.T @ self.second + 2 * weights.position * np.eye(size)
-        self.base_hessian = hessian
-        inverse: Array = np.asarray(np.linalg.inv(hessian[1:-2, 1:-2]), dtype=np.float64)
-        return inverse
+    def base_hessian(self, split: float) -> tuple[Array, Array]:
+        """Return the base's Hessian without the share of acceleration that is paid with the force, and its inverse.
+
+        The inverse is that of the samples between the ends, which are known.
+        """
+        if split not in self._halved:
+            weights, size = self.problem.weights, self.problem.samples
+            moved = 2 * weights.acceleration * (1 - split) * self.second.T @ self.second
+            hessian = moved + 2 * weights.position * np.eye(size)
+            inverse = np.asarray(np.linalg.inv(hessian[1:-2, 1:-2]), dtype=np.float64)
+            self._halved[split] = hessian, inverse
+        return self._halved[split]
 
     def at(self, prices: Prices, allowed: Index | None = None) -> Priced:
         """Return what prices prove."""
         problem, robot = self.problem, self.problem.robot
         world = np.einsum("iab,ijb->ija", problem.rotations, prices.reach)
-        base_value, base, force = self.base(world.sum(axis=1), prices.pull)
-        reward = (prices.pull**2).sum(axis=1) / problem.weights.force
-        cells, feet, foot_values = self.feet(world, reward, self.allowed if allowed is None else allowed)
+        base_value, base, force = self.base(world.sum(axis=1), prices)
+        left, best = left_over(savings(problem, prices), prices.contact)
+        cells, feet, foot_values = self.feet(world, prices.contact, self.allowed if allowed is None else allowed)
         nominal, reach = np.array(robot.feet_m), np.array(robot.foot_reach_m)
         ties = float((prices.reach * nominal).sum() + (np.abs(prices.reach) * reach).sum())
-        bound = base_value + float(foot_values.sum()) - ties
+        bound = base_value + left + float(foot_values.sum()) - ties
         off = np.einsum("iba,ijb->ija", problem.rotations, feet - base[:, None]) - nominal
         rise = np.where(
             prices.reach != 0, off - np.sign(prices.reach) * reach, np.sign(off) * np.maximum(np.abs(off) - reach, 0.0)
         )
-        held = np.repeat(cells, self.per, axis=0).sum(axis=1)
-        draw = 2 * force - 2 * held[:, None] * prices.pull / problem.weights.force
-        return Priced(bound, Prices(rise, draw), cells, base, np.concatenate([[base_value - ties], foot_values]))
+        dear = np.repeat(dearness(problem, prices.split)[best], self.per)[:, None]
+        draw = 2 * force - 2 * shifted(problem, prices) / dear
+        return Priced(bound, Prices(rise, draw, best - cells.sum(axis=1), prices.split), cells, base)
 
-    def base(self, world: Array, pull: Array) -> tuple[float, Array, Array]:
+    def base(self, world: Array, prices: Prices) -> tuple[float, Array, Array]:
         """Return the base's least cost, its path and the force that moves it."""
-        problem, weights = self.problem, self.problem.weights
-        mass, inverse = problem.robot.mass_kg, self.base_inverse
-        reference = problem.base_reference_m
+        problem, weights, pull = self.problem, self.problem.weights, prices.pull
+        mass, (hessian, inverse) = problem.robot.mass_kg, self.base_hessian(prices.split)
+        alone = weights.acceleration * (1 - prices.split)
+        reference, up = problem.base_reference_m, upwards(problem)
         linear = -world - 2 * weights.position * reference + 2 * mass * self.second.T @ pull
         path = np.zeros_like(reference)
         path[0], path[-2:] = problem.start_m, problem.goal_m
-        known = self.base_hessian @ path
+        known = hessian @ path
         path[1:-2] = -inverse @ (linear + known)[1:-2]
-        first = -mass * pull[0] / weights.acceleration
-        value = float((path * (self.base_hessian @ path)).sum() / 2 + (linear * path).sum())
-        value += weights.position * float((reference**2).sum()) - weights.acceleration * float((first**2).sum())
-        up = np.array([0.0, 0.0, problem.gravity_mps2])
+        first = -mass * pull[0] / alone
+        value = float((path * (hessian @ path)).sum() / 2 + (linear * path).sum())
+        value += weights.position * float((reference**2).sum()) - alone * float((first**2).sum())
         value += 2 * mass * float((pull @ up).sum())
+        value += weights.acceleration * prices.split * len(path) * float(up @ up)
         acceleration = self.second @ path
         acceleration[0] = first
         return value, path, mass * (acceleration + up)
 
-    def feet(self, world: Array, reward: Array, allowed: Index) -> tuple[Cells, Array, Array]:
+    def feet(self, world: Array, contact: Array, allowed: Index) -> tuple[Cells, Array, Array]:
         """Return every foot's cheapest pattern, its path, and its cost."""
-        table = self.table(world, reward)
+        table = self.table(world, contact)
         cells = np.zeros((self.count, 4), dtype=bool)
         paths, values = np.zeros((self.problem.samples, 4, 3)), np.zeros(4)
         for foot in range(4):
@@ -195,15 +198,16 @@ class Pricing:
                 cells[:, foot], paths[:, foot] = self.trajectory(foot, stances, world[:, foot], table.swings)
         return cells, paths, values
 
-    def table(self, world: Array, reward: Array) -> FootCosts:
+    def table(self, world: Array, contact: Array) -> FootCosts:
         """Return what stances and swings cost at given prices."""
         problem, per = self.problem, self.per
         track = problem.weights.foot
         square = 2 * track * per * np.arange(self.count + 1, dtype=float)
         reference = problem.foot_reference_m
+        paid = np.repeat(contact / per, per)
         slopes = [self.summed(world[:, foot] - 2 * track * reference[:, foot]) for foot in range(4)]
         constants = [
-            self.summed((track * (reference[:, foot] ** 2).sum(axis=1) - reward)[:, None])[:, 0] for foot in range(4)
+            self.summed((track * (reference[:, foot] ** 2).sum(axis=1) - paid)[:, None])[:, 0] for foot in range(4)
         ]
         return FootCosts(self, swing_costs(problem, world, self.levels_m), square, slopes, constants)
 
@@ -213,12 +217,13 @@ class Pricing:
         robot = self.problem.robot
         ties = float((prices.reach * np.array(robot.feet_m)).sum())
         ties += float((np.abs(prices.reach) * np.array(robot.foot_reach_m)).sum())
-        rest = self.base(world.sum(axis=1), prices.pull)[0] - ties
-        table = self.table(world, (prices.pull**2).sum(axis=1) / self.problem.weights.force)
+        rest = self.base(world.sum(axis=1), prices)[0] - ties
+        unpaid = prices.contact[:, None] * np.arange(5) - savings(self.problem, prices)
+        table = self.table(world, prices.contact)
         known: dict[tuple[int, bytes], float] = {}
 
         def value(cells: Cells) -> float:
-            total = rest
+            total = rest + float(unpaid[np.arange(self.count), cells.sum(axis=1)].sum())
             for foot in range(4):
                 key = (foot, cells[:, foot].tobytes())
                 if key not in known:

@@ -13,29 +13,29 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surefoot.footholds.anneal import Annealing
-from surefoot.footholds.ascent import Ascent, even_prices, prices_of_node
+from surefoot.footholds.ascent import even_prices, prices_of_node
 from surefoot.footholds.assembly import Parts
+from surefoot.footholds.bounding import Bounding
 from surefoot.footholds.cells import Cells, cell_count, fixed, gait_of
 from surefoot.footholds.decide import Decided, decided_exactly, decided_quickly
-from surefoot.footholds.dual import Prices, Pricing
+from surefoot.footholds.dual import Pricing
 from surefoot.footholds.model import Choice
 from surefoot.footholds.orientation import turning
 from surefoot.footholds.pool import FIRST, GUESSED, LAST, LATER, Pool
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.proof import turning_multipliers
+from surefoot.footholds.sharing import Prices
 from surefoot.footholds.solve import FreeAnswer, Solution, cheapest, load_backends, no_plan, solve
 from surefoot.footholds.templates import first_templates, templates
 
 _COMPARE_GAP = 1e-3
 _GUESSED = 12
-_ROUND = 30
-_GUIDE_BOXES, _BOUND_BOXES = 16, 32
+_GUIDE_BOXES = 16
 _TRIES_PER_ROUND = 2
-_CHANGES_PER_ROUND = 150
+_CHANGES_PER_ROUND = 250
 _TRIES_BEFORE_DOUBT = 13
 _TRIES_BEFORE_EXACT = 160
 _SURE = 1.02
-_MARGIN = 4e-3
 _MOST_IDLE = 2000
 _LAST_S = 1.0
 
@@ -73,8 +73,7 @@ class _Search:
         self.found: Found | None = None
         self.first_s: float | None = None
         self.first_objective: float | None = None
-        self.bound = -np.inf
-        self.prices: Prices | None = None
+        self.bounding: Bounding | None = None
         self.parts = Parts(problem)
 
     def stop(self) -> bool:
@@ -86,6 +85,11 @@ class _Search:
 
     def elapsed_s(self) -> float:
         return time.perf_counter() - self.begin
+
+    @property
+    def bound(self) -> float:
+        """Lower bound of all gaits so far, without the orientation."""
+        return -np.inf if self.bounding is None else self.bounding.proof.bound
 
     @property
     def close(self) -> bool:
@@ -162,17 +166,18 @@ class _Search:
     def improve(self, guide: Pricing) -> None:
         """Lower the cost and raise the bound by turns."""
         assert self.found is not None
-        exact = Pricing(self.problem, _BOUND_BOXES)
-        ascent = Ascent(guide, even_prices(self.problem))
-        self.prove(exact, even_prices(self.problem))
-        annealing = Annealing(self.problem, self.parts, self.stop)
+        self.bounding = Bounding(self.problem, guide)
+        starts = first_templates(cell_count(self.problem), self.problem.options.min_dwell_cells)
+        annealing = Annealing(self.problem, self.parts, starts, self.stop)
+        while self.pool.has(FIRST) and not self.stop() and not self.close and self.try_next():
+            annealing.offer(self.found.cells, self.found.choice, self.found.value)
         while not self.stop() and not self.close and annealing.idle < _MOST_IDLE:
             for _ in range(_TRIES_PER_ROUND):
                 if self.stop() or self.close or not self.try_next():
                     break
             self.anneal(annealing)
-            if not ascent.stuck:
-                self.climb(ascent, exact)
+            if not self.bounding.stuck:
+                self.climb(self.bounding)
 
     def anneal(self, annealing: Annealing) -> None:
         """Change the best plan at random for a while."""
@@ -186,22 +191,12 @@ class _Search:
                 self.found = Found(better.cells, better.choice, better.value, "annealing")
         self.tried += annealing.take_count()
 
-    def climb(self, ascent: Ascent, exact: Pricing) -> None:
+    def climb(self, bounding: Bounding) -> None:
         """Raise the bound for a while, and try what its prices suggest."""
         assert self.found is not None
-        for _ in range(_ROUND):
-            if self.stop():
-                return
-            self.pool.add([("prices", ascent.step(self.found.value).cells)], LATER)
-        self.pool.price(ascent.prices)
-        self.prove(exact, ascent.prices)
-
-    def prove(self, exact: Pricing, prices: Prices) -> None:
-        """Raise the bound by prices, if they can; a little is left to checkers who cut the ground otherwise."""
-        bound = exact.at(prices).bound
-        bound -= _MARGIN * abs(bound)
-        if bound > self.bound:
-            self.bound, self.prices = bound, prices
+        suggested = bounding.climb(self.found.value, self.stop)
+        self.pool.add((("prices", cells) for cells in suggested), LATER)
+        self.pool.price(bounding.ascent.prices)
 
     def positive(self) -> Solution:
         """Return the best plan, solved once more to the end with its gait."""
@@ -246,5 +241,5 @@ class _Search:
             templates_tried=self.tried,
             first_feasible_s=self.first_s,
             first_objective=self.first_objective,
-            prices=self.prices,
+            proof=None if self.bounding is None else self.bounding.proof,
         )

@@ -12,8 +12,11 @@ from __future__ import annotations
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from surefoot.footholds.rows import Array, Index
+
+Flags = NDArray[np.bool_]
 
 ANY, STANCE, SWING = 0, 1, 2
 WIDE_M = 0.08
@@ -65,6 +68,7 @@ def cheapest_path(
     high_slopes: Array,
     high_constants: Array,
     allowed: Index,
+    within: Flags,
     dwell: int,
 ) -> tuple[float, Index]:
     """Return the cost of the cheapest path, and its stances, last first: first cell, end cell, box; -1 after the last.
@@ -83,6 +87,7 @@ def cheapest_path(
         high_slopes: shape (K, K, M, M, 2).
         high_constants: shape (K, K, M, M).
         allowed: ``ANY``, ``STANCE`` or ``SWING`` for every cell, shape (M,).
+        within: in which cells which boxes may be stood in, shape (M, B).
         dwell: least length of a stance between swings, and of a swing.
     """
     count, boxes = len(allowed), len(low) - 1
@@ -100,11 +105,13 @@ def cheapest_path(
     for to in range(1, count + 1):
         for box in range(boxes + 1):
             _stand(
-                to, box, count, low, high, middle, square, slope, constant, allowed, dwell, value, tilt, rough,
+                to, box, count, low, high, middle, square, slope, constant, allowed, within, dwell, value, tilt, rough,
                 lifted, lifted_tilt, lifted_rough, since_of,
             )  # fmt: skip
         if to < count and allowed[to] != SWING:
             for box in range(boxes):
+                if not within[to, box]:
+                    continue
                 _land(
                     to, box, low, high, middle, level, ends, slopes, constants, high_slopes, high_constants, allowed,
                     dwell, value, tilt, rough, source, lifted, lifted_tilt, lifted_rough,
@@ -115,13 +122,13 @@ def cheapest_path(
 @numba.njit(cache=True)
 def _stand(
     to: int, box: int, count: int, low: Array, high: Array, middle: Array, square: Array, slope: Array, constant: Array,
-    allowed: Index, dwell: int, value: Array, tilt: Array, rough: Array,
+    allowed: Index, within: Flags, dwell: int, value: Array, tilt: Array, rough: Array,
     lifted: Array, lifted_tilt: Array, lifted_rough: Array, since_of: Index,
 ) -> None:  # fmt: skip
     """Fill in what it costs to have stood in a box until a cell."""
     best, at = np.inf, -1
     for since in range(to - 1, -1, -1):
-        if allowed[since] == SWING:
+        if allowed[since] == SWING or not within[since, box]:
             break
         if rough[since, box] == np.inf or (to - since < dwell and to < count and since > 0):
             continue
@@ -141,7 +148,7 @@ def _stand(
             if high[box, axis] - low[box, axis] < WIDE_M:
                 lifted_tilt[to, box, axis] = tilt[at, box, axis] + steep
     for since in range(to - 1, -1, -1):
-        if allowed[since] == SWING:
+        if allowed[since] == SWING or not within[since, box]:
             break
         if value[since, box] == np.inf or (to - since < dwell and to < count and since > 0):
             continue

@@ -15,6 +15,7 @@ from surefoot.footholds.cells import with_gait
 from surefoot.footholds.gaits import FreeGait, Gait
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.refute import refutation_document
+from surefoot.footholds.sharing import Prices
 from surefoot.footholds.solve import FreeAnswer, Solution
 
 KIND = "foothold-plan"
@@ -64,12 +65,21 @@ def _free(problem: Problem, solution: Solution) -> dict[str, Any]:
 
 def _bound(free: FreeAnswer) -> dict[str, Any] | None:
     """Return the multipliers that prove a bound over all gaits."""
-    if free.prices is None:
+    proof = free.proof
+    if proof is None:
         return None
-    reach = [
-        [int(i), int(j), int(a), 0, float(free.prices.reach[i, j, a])] for i, j, a in np.argwhere(free.prices.reach)
-    ]
-    return {"reach": reach, "pull": free.prices.pull.tolist(), "turning": list(free.turning)}
+    tube = None if proof.first is None else {"worth": proof.worth, **_prices(proof.first)}
+    return {**_prices(proof.prices), "turning": list(free.turning), "tube": tube}
+
+
+def _prices(prices: Prices) -> dict[str, Any]:
+    reach = [[int(i), int(j), int(a), 0, float(prices.reach[i, j, a])] for i, j, a in np.argwhere(prices.reach)]
+    return {
+        "reach": reach,
+        "pull": prices.pull.tolist(),
+        "contact": prices.contact.tolist(),
+        "split": prices.split,
+    }
 
 
 def answer_of(solution: Solution) -> dict[str, Any]:

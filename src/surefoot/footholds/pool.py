@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from surefoot.footholds.cells import Cells
-from surefoot.footholds.dual import Prices, Pricing
+from surefoot.footholds.dual import Pricing
+from surefoot.footholds.sharing import Prices
 
-GUESSED, FIRST, NEAR, LATER, LAST = range(5)
-"""Order of trial: what even prices like, a coarse selection, neighbours of the best, suggestions, other templates."""
+GUESSED, FIRST, LATER, LAST = range(4)
+"""Order of trial: what even prices like, a coarse selection, what better prices suggest, other templates."""
 
 
 class Pool:
@@ -39,9 +40,9 @@ class Pool:
                 self.tables[key], self.ranks[key] = (cells, name), rank
                 self.bounds[key], self.priced[key] = -np.inf, 0
 
-    def defer(self, rank: int, to: int) -> None:
-        """Move all of a rank to another."""
-        self.ranks = {key: to if own == rank else own for key, own in self.ranks.items()}
+    def has(self, rank: int) -> bool:
+        """Return whether any of a rank, or of one before it, is left."""
+        return any(own <= rank for own in self.ranks.values())
 
     def price(self, prices: Prices) -> None:
         """Learn from prices; what they prove about a table is looked up when its rank's turn has come."""

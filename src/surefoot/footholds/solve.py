@@ -24,7 +24,7 @@ from surefoot.footholds.search import Accept, Branch, Outcome, search
 from surefoot.footholds.solvers import HighsSolver
 
 if TYPE_CHECKING:
-    from surefoot.footholds.dual import Prices
+    from surefoot.footholds.bounding import GaitProof
     from surefoot.footholds.refute import Refuted
 
 RESIDUAL_MAX = 1e-6
@@ -89,7 +89,7 @@ class FreeAnswer:
         templates_tried: how many contact tables were tried.
         first_feasible_s: until the first verified plan; None without one.
         first_objective: of that plan.
-        prices: what proves the bound.
+        proof: what proves the bound.
         turning: multipliers of the orientation, which is solved apart (see ``Proof``).
         refutation: what proves infeasibility.
     """
@@ -99,7 +99,7 @@ class FreeAnswer:
     templates_tried: int
     first_feasible_s: float | None
     first_objective: float | None
-    prices: Prices | None = None
+    proof: GaitProof | None = None
     turning: tuple[list[float], ...] = ()
     refutation: Refuted | None = None
 

@@ -27,7 +27,7 @@ from surefoot.missions.quadruped_timeline import delays
 from surefoot.missions.quadruped_walk import QuadrupedWalk
 from surefoot.missions.quadruped_world import World
 from surefoot.missions.run_writer import RunWriter
-from surefoot.robots.quadruped import quadruped
+from surefoot.robots.quadruped import Quadruped, quadruped
 from surefoot.skills import QuadrupedTerrain, read_terrain
 from surefoot.skills.blocking import Barrier
 from surefoot.skills.headings import turning_of
@@ -151,21 +151,17 @@ def walk_quadruped(
     start, goal = _place(terrain, "start_m"), _place(terrain, "goal_m")
     events = () if order.events is None else read_events(order.events)
     delays_s = delays(order.delay)
+    world, robot = World(terrain), quadruped(terrain.robot)
+    stance = _standing(robot, world, terrain.cell_at(start))
     with process_pool(preload=PRELOAD) as executor:
-        checks = terrain_checks(terrain, executor)
+        checks = terrain_checks(terrain, executor, at_run_time=True)
         library = None if order.library is None else read_library(order.library, made_with=checks.made_with)
-        world, robot = World(terrain), quadruped(terrain.robot)
-        stance = stance_about(robot, world, terrain.centre_m(terrain.cell_at(start)), 0)
-        if stance is None or world.state(stance.cell) is None:
-            cell = terrain.cell_at(start)
-            why = in_words(why_obstacle(terrain, cell)) or "no pose near its centre is one that the robot can stand in"
-            raise InputError(f"the robot cannot stand at the start, in cell {cell}: {why}", key="start_m")
         _warm_up()
         with RunWriter(out) as writer:
             log = Log(writer, progress)
             log.write("header", **_header(order, terrain, library, stance, out, events, delays_s))
             turning = turning_of(terrain.classes, terrain.directions) if terrain.yaw else None
-            book = SkillBook(library, checks.physics, out, turning)
+            book = SkillBook(library, checks.physics, out, turning, checks.start_physics)
             most = _SEGMENTS_PER_CELL * math.prod(terrain.cells)
             walk = QuadrupedWalk(
                 robot, world, book, stance, terrain.cell_at(goal), log,
@@ -191,6 +187,16 @@ def _place(terrain: QuadrupedTerrain, key: str) -> Point:
         raise InputError(message, source=terrain.source, key=key)
     terrain.cell_at(place)
     return place
+
+
+def _standing(robot: Quadruped, world: World, cell: Cell) -> Stance:
+    """Return how the robot stands in a cell at the start."""
+    terrain = world.terrain
+    stance = None if world.state(cell) is None else stance_about(robot, world, terrain.centre_m(cell), 0)
+    if stance is None or world.state(stance.cell) is None:
+        why = in_words(why_obstacle(terrain, cell)) or "no pose about its centre has ground for all four feet"
+        raise InputError(f"the robot cannot stand at the start, in cell {cell}: {why}", key="start_m")
+    return stance
 
 
 def _warm_up() -> None:

@@ -6,21 +6,36 @@ is the business of the runtime repair.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 
 from surefoot.missions.quadruped_route import Edge, Pose, Routes, moves_from, pose_on_map
-from surefoot.missions.quadruped_skills import Handled, SkillBook
+from surefoot.missions.quadruped_skills import SkillBook
 from surefoot.missions.quadruped_world import World
 from surefoot.skills.headings import Turning
-from surefoot.skills.values import Cell, TerrainState, Way
+from surefoot.skills.values import Cell, CheckResult, TerrainState, Way
 
 _MOST_REQUESTS = 1000
 
 
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """What was made for one request.
+
+    Attributes:
+        checked: what physics was asked, for a strategy or for a shorter one.
+        symbolic_ms: processor time without physics.
+    """
+
+    checked: tuple[CheckResult, ...]
+    symbolic_ms: float
+
+
 def looked_ahead(
     world: World, book: SkillBook, pose: Pose, goal: Cell, closed: Collection[Edge] = ()
-) -> Iterator[Handled]:
-    """Yield what the book says to every request on the way, until the goal or the end of all ways.
+) -> Iterator[Prepared]:
+    """Yield what is made for every request on the way, until the goal or the end of all ways.
 
     Args:
         world: the map.
@@ -29,16 +44,24 @@ def looked_ahead(
         goal: cell of the map.
         closed: moves that failed, or that were given up.
     """
+    planned: dict[tuple[int, int], Routes] = {}
     for _ in range(_MOST_REQUESTS):
         state = world.state(*pose)
         if state is None or pose[0] == goal:
             return
         known = len(book.knowledge.refused)
-        routes = Routes(world, goal, pose[1], book.knowledge.refused, closed, book.turning)
+        key = pose[1], known
+        if key not in planned:
+            planned[key] = Routes(world, goal, pose[1], book.knowledge.refused, closed, book.turning)
+        routes = planned[key]
         for local in routes.wishes(pose[0], state, world.terrain.requests):
             handled = book.strategy(state, local, ())
-            yield handled
+            yield Prepared(handled.checked, handled.symbolic_ms)
             if handled.winning:
+                begin_s = time.process_time()
+                checked = book.short_cuts(state, local)
+                handled = book.strategy(state, local, ()) if checked else handled
+                yield Prepared(checked, 1e3 * (time.process_time() - begin_s))
                 pose = pose_on_map(pose, end_of(handled.ways, state, book.turning), (state.rows, state.columns))
                 break
         else:

@@ -7,13 +7,14 @@ edge or above it (Zhou et al. 2025, VII-A2).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from surefoot.footholds.problem import Array
 from surefoot.footholds.terrain import Polygon
-from surefoot.missions.quadruped_world import World, clipped
+from surefoot.missions.quadruped_world import TOUCH_M, World, clipped, on_plane
 from surefoot.skills.patches import Rectangle
 from surefoot.skills.values import Cell
 
@@ -56,9 +57,8 @@ def ground_between(world: World, here: Cell, there: Cell, feet_m: Array, *, coll
     low_m, high_m = sorted((world.height_m(here), world.height_m(there)))
     rise_m = world.height_m(there) - world.height_m(here)
     area = _around(world, here, there)
-    if abs(rise_m) < STEP_EDGE_M:
-        level = tuple(_near(world, area.shrunk(-BEYOND_M), (low_m + high_m) / 2))
-        return Ground(_with_start(world, level, feet_m), (), rise_m)
+    if abs(rise_m - _sloped_m(world, here, there)) < STEP_EDGE_M:
+        return Ground(_with_start(world, tuple(_even(world, here, there)), feet_m), (), rise_m)
     way = np.subtract(world.terrain.centre_m(there), world.terrain.centre_m(here)) * np.sign(rise_m)
     way /= np.linalg.norm(way)
     upper = [piece for one in _near(world, area, high_m) if (piece := clipped(one, area)) is not None]
@@ -107,31 +107,46 @@ def _side(area: Rectangle, way: Array, edge_m: float) -> Rectangle:
     )
 
 
+def _sloped_m(world: World, here: Cell, there: Cell) -> float:
+    """Return by how much the ground would rise from cell to cell if there were no edge between them."""
+    way = np.subtract(world.terrain.centre_m(there), world.terrain.centre_m(here))
+    return float((_gradient(world, here) + _gradient(world, there)) @ way) / 2
+
+
+def _gradient(world: World, cell: Cell) -> Array:
+    """Return the mean slope of the ground in a cell along x and y."""
+    parts = world.ground_in(world.terrain.square_m(cell))
+    areas = np.array([part.area for _, part in parts])
+    slopes = np.array([-one.normal[:2] / one.normal[2] for one, _ in parts])
+    gradient: Array = areas @ slopes / areas.sum()
+    return gradient
+
+
+def _even(world: World, here: Cell, there: Cell) -> Iterator[Polygon]:
+    """Yield the polygons in and about two cells without an edge between them, which may lie on a slope."""
+    middle = np.add(world.terrain.centre_m(here), world.terrain.centre_m(there)) / 2
+    height_m = (world.height_m(here) + world.height_m(there)) / 2
+    gradient = (_gradient(world, here) + _gradient(world, there)) / 2
+    for one, part in world.ground_in(_around(world, here, there).shrunk(-BEYOND_M)):
+        place = np.array([part.centroid.x, part.centroid.y])
+        expected_m = height_m + float(gradient @ (place - middle))
+        if abs(float(on_plane(one, place[None])[0, 2]) - expected_m) < _SAME_LEVEL_M:
+            yield one
+
+
 def _near(world: World, area: Rectangle, height_m: float) -> list[Polygon]:
     """Return the polygons that meet an area and belong to a level."""
-    found = []
-    for number in world.terrain.ground.tree.query(_box(area)).tolist():
-        one = world.terrain.polygons[number]
-        if abs(float(one.vertices_m[:, 2].mean()) - height_m) < _SAME_LEVEL_M:
-            found.append((number, one))
-    return [one for _, one in sorted(found, key=lambda pair: pair[0])]
-
-
-def _box(area: Rectangle) -> object:
-    import shapely  # type: ignore[import-untyped]
-
-    return shapely.box(area.west, area.south, area.east, area.north)
+    return [
+        one for one, _ in world.ground_in(area) if abs(float(one.vertices_m[:, 2].mean()) - height_m) < _SAME_LEVEL_M
+    ]
 
 
 def _with_start(world: World, polygons: tuple[Polygon, ...], feet_m: Array) -> tuple[Polygon, ...]:
     """Return polygons and, where none of them holds a foot that stands, the one of the map that does."""
     added: list[Polygon] = []
     for foot in feet_m:
-        if any(one.excess(foot) <= _TOUCH_M for one in (*polygons, *added)):
+        if any(one.excess(foot) <= TOUCH_M for one in (*polygons, *added)):
             continue
-        holds = [one for one in world.terrain.polygons if one.excess(foot) <= _TOUCH_M]
+        holds = [one for one in world.terrain.polygons if one.excess(foot) <= TOUCH_M]
         added += holds[:1]
     return (*polygons, *added)
-
-
-_TOUCH_M = 1e-6

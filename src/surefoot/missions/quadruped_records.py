@@ -14,7 +14,7 @@ from surefoot.missions.quadruped_skills import Handled
 from surefoot.missions.quadruped_stance import Segment, Stance
 from surefoot.missions.quadruped_timeline import Slot
 from surefoot.missions.run_writer import RunWriter
-from surefoot.skills.values import Cell, Primitive, TerrainState
+from surefoot.skills.values import Cell, CheckResult, Physics, Primitive, TerrainState
 
 PLANS = "plans"
 
@@ -61,17 +61,17 @@ class Log:
             source=handled.source,
             outcome=answer.outcome.value,
             strategy=_rows(handled),
-            **_checks([handled], plans),
+            **_checks(handled.checked, plans),
             why=None if answer.why is None else answer.why.text,
             symbolic_ms=round(handled.symbolic_ms, 4),
         )
         if handled.source != "library":
             self.say(f"request {number}, {handled.source}: {answer.outcome.value}, {handled.symbolic_ms:.2f} ms")
 
-    def prepared(self, made: Sequence[Handled], plans: Mapping[Primitive, Mapping[str, str]]) -> None:
+    def prepared(self, checked: Sequence[CheckResult], plans: Mapping[Primitive, Mapping[str, str]]) -> None:
         """Write which skills were made before the robot set out."""
-        checks = _checks(made, plans)
-        self.write("prepared", **checks, symbolic_ms=round(sum(one.symbolic_ms for one in made), 4))
+        checks = _checks(checked, plans)
+        self.write("prepared", **checks)
         self.say(f"before setting out: {len(checks['asked'])} skills asked for, {len(checks['new'])} made")
 
     def segment(
@@ -141,11 +141,15 @@ class Log:
         self.say(f"before segment {segment}: {event.what.value}")
 
 
-def _checks(made: Sequence[Handled], plans: Mapping[Primitive, Mapping[str, str]]) -> dict[str, list[dict[str, Any]]]:
+def _checks(
+    checked: Sequence[CheckResult], plans: Mapping[Primitive, Mapping[str, str]]
+) -> dict[str, list[dict[str, Any]]]:
     """Return new skills with their certificates, and all that physics was asked."""
-    skills = [skill for one in made for skill in one.answer.new if skill in plans]
-    asked = [{"primitive": one.primitive.name, "verdict": one.verdict.value} for each in made for one in each.checked]
-    return {"new": [{"primitive": one.name, "plan": plans[one]} for one in skills], "asked": asked}
+    new = [one.primitive for one in checked if one.verdict is Physics.FEASIBLE and one.primitive in plans]
+    return {
+        "new": [{"primitive": one.name, "plan": plans[one]} for one in new],
+        "asked": [{"primitive": one.primitive.name, "verdict": one.verdict.value} for one in checked],
+    }
 
 
 def _rows(handled: Handled) -> list[list[Any]]:

@@ -23,8 +23,8 @@ from surefoot.missions.quadruped_crossing import Certificate
 from surefoot.skills.headings import Pose, Turning
 from surefoot.skills.library import SkillLibrary
 from surefoot.skills.manager import Knowledge, Outcome, PairAnswer, handle
-from surefoot.skills.skill_game import CELLS, Frame, directions_of, pair_game, solve_game
-from surefoot.skills.values import Cell, CheckResult, Direction, PhysicsCheck, Primitive, TerrainState, Way
+from surefoot.skills.skill_game import CELLS, Frame, directions_of, framed_game, solve_game, ways_of
+from surefoot.skills.values import Cell, CheckResult, Physics, PhysicsCheck, Primitive, TerrainState, Way
 
 LARGEST_PLAN_BYTES = 64_000_000
 
@@ -64,6 +64,7 @@ class SkillBook:
     Attributes:
         library: what was made offline; None: nothing was.
         physics: answers about what is not known.
+        quick: the same with the gaits of the first skills only, for short cuts; None: none are looked for.
         folder: of the run, where certificates of new skills go.
         turning: how a robot that turns sees a grid; None for one that does not.
         knowledge: all answers of physics.
@@ -74,9 +75,11 @@ class SkillBook:
     physics: PhysicsCheck
     folder: Path
     turning: Turning | None = None
+    quick: PhysicsCheck | None = None
     knowledge: Knowledge = field(default_factory=Knowledge)
     new_plans: dict[Primitive, dict[str, str]] = field(default_factory=dict)
     _certificates: dict[Primitive, Certificate] = field(default_factory=dict)
+    _no_short_cut: set[Primitive] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         """Begin with what the library knows."""
@@ -91,7 +94,7 @@ class SkillBook:
             request: the cell to reach.
             disallowed: moves between local poses that failed on this ground.
         """
-        frame: Frame[Any] = CELLS if self.turning is None else self.turning
+        frame = self._frame
         edges: frozenset[tuple[Any, Any]] = frozenset(disallowed)
         if self.turning is None:
             edges = frozenset((one[0], other[0]) for one, other in edges)
@@ -112,16 +115,45 @@ class SkillBook:
         took_ms = 1e3 * (answer.symbolic_s if asked else time.process_time() - begin_s)
         return Handled(answer, "repair" if asked else "synthesis", took_ms, tuple(asked))
 
+    @property
+    def _frame(self) -> Frame[Any]:
+        return CELLS if self.turning is None else self.turning
+
     def _shortened(self, known: PairAnswer) -> PairAnswer:
         """Return a strategy of the library, or a shorter one with skills that were found after it was made."""
         state, request = known.state, known.request
-        if self.turning is not None:
+        length = _length(known, self._frame)
+        if length <= abs(request[0] - state.centre[0]) + abs(request[1] - state.centre[1]):
             return known
-        straight = abs(request[0] - state.centre[0]) + abs(request[1] - state.centre[1])
-        if _length(known.strategy, state.centre) <= straight:
+        best = solve_game(framed_game(self._frame, state, request, self.knowledge.skills))
+        if len(best.used(self._frame.start(state))) >= length:
             return known
-        moves = directions_of(solve_game(pair_game(state, request, self.knowledge.skills)))
-        return min(known, replace(known, strategy=moves), key=lambda one: _length(one.strategy, state.centre))
+        if self.turning is None:
+            return replace(known, strategy=directions_of(best))
+        return replace(known, poses=ways_of(best))
+
+    def short_cuts(self, state: TerrainState, request: Cell) -> tuple[CheckResult, ...]:
+        """Ask quick physics about skills with which a request would be reached in fewer steps; return the answers."""
+        found: list[CheckResult] = []
+        while self.quick is not None and (wanted := self._short_cut(state, request)):
+            results = tuple(self.quick(wanted))
+            found += results
+            self._no_short_cut |= {one.primitive for one in results if one.verdict is not Physics.FEASIBLE}
+            for result in results:
+                self._keep(result)
+            self.knowledge = self.knowledge.extended(one for one in results if one.verdict is Physics.FEASIBLE)
+        return tuple(found)
+
+    def _short_cut(self, state: TerrainState, request: Cell) -> tuple[Primitive, ...]:
+        """Return the skills that a shorter way would need beside those at hand; none where there is none."""
+        frame, skills = self._frame, self.knowledge.skills
+        hopeless = self._no_short_cut | set(self.knowledge.refused)
+        every = {move.skill for move in frame.moves(state)} - hopeless
+        now, best = (
+            solve_game(framed_game(frame, state, request, known)).used(frame.start(state)) for known in (skills, every)
+        )
+        new = dict.fromkeys(one.skill for one in best if one.skill not in skills)
+        return tuple(new) if len(best) < len(now) else ()
 
     def _keep(self, result: CheckResult) -> None:
         """Put the certificate of a new skill into the run folder."""
@@ -145,11 +177,13 @@ class SkillBook:
         return self._certificates[primitive]
 
 
-def _length(strategy: Mapping[Cell, Direction | None], cell: Cell) -> int:
-    """Return how many moves a strategy takes from a cell."""
-    count = 0
-    while (direction := strategy[cell]) is not None:
-        cell, count = direction.of(cell), count + 1
+def _length(known: PairAnswer, frame: Frame[Any]) -> int:
+    """Return how many steps a strategy takes from the start."""
+    ways: Mapping[Any, Way | None] = known.poses or known.strategy
+    after = {(move.source, move.skill.direction): move.targets[0] for move in frame.moves(known.state)}
+    place, count = frame.start(known.state), 0
+    while (way := ways[place]) is not None:
+        place, count = after[place, way], count + 1
     return count
 
 

@@ -11,7 +11,7 @@ from surefoot.footholds import Problem, retarget
 from surefoot.footholds.gaits import NAMED
 from surefoot.footholds.plan import Plan
 from surefoot.footholds.problem import Array, nominal_feet
-from surefoot.missions.quadruped_world import World
+from surefoot.missions.quadruped_world import World, on_plane
 from surefoot.robots.quadruped import Quadruped
 from surefoot.skills.patches import Rectangle
 from surefoot.skills.quadruped_terrain import Point
@@ -87,8 +87,8 @@ def standing_problem(robot: Quadruped, world: World, place_m: Point, quarter_tur
     box = Rectangle(-half, -half, half, half).moved(*place_m)
     polygons = tuple(
         one
-        for one in world.terrain.polygons
-        if _meets(one.vertices_m, box) and abs(float(one.vertices_m[:, 2].mean()) - height_m) < _LEVEL_M
+        for one, part in world.ground_in(box)
+        if abs(float(on_plane(one, np.array([[part.centroid.x, part.centroid.y]]))[0, 2]) - height_m) < _LEVEL_M
     )
     return Problem(
         robot=robot,
@@ -105,11 +105,6 @@ def standing_problem(robot: Quadruped, world: World, place_m: Point, quarter_tur
 
 _LEVEL_M = 0.08
 """Ground that differs by more from the mean of a cell is no part of it: other measures call it another level."""
-
-
-def _meets(vertices_m: Array, box: Rectangle) -> bool:
-    (west, south), (east, north) = vertices_m[:, :2].min(axis=0), vertices_m[:, :2].max(axis=0)
-    return bool(west < box.east and box.west < east and south < box.north and box.south < north)
 
 
 def stance_about(robot: Quadruped, world: World, place_m: Point, quarter_turns: int) -> Stance | None:

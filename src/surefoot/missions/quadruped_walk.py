@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -23,10 +22,11 @@ from surefoot.missions.quadruped_records import Log
 from surefoot.missions.quadruped_route import Edge, Pose, Routes, moves_from, pose_in_grid, pose_on_map
 from surefoot.missions.quadruped_skills import Handled, SkillBook
 from surefoot.missions.quadruped_stance import Segment, Stance, stance_about
-from surefoot.missions.quadruped_timeline import Clock, Slot, delay_of
+from surefoot.missions.quadruped_tally import Tally
+from surefoot.missions.quadruped_timeline import Clock, delay_of
 from surefoot.missions.quadruped_world import World
 from surefoot.robots.quadruped import Quadruped
-from surefoot.skills.values import OBSTACLE, Cell, Primitive, TerrainState, Way
+from surefoot.skills.values import OBSTACLE, Cell, CheckResult, Physics, Primitive, TerrainState, Way
 
 Strategy = Mapping[Pose, Way | None]
 SETTLING = NAMED["trot-1s"]
@@ -43,41 +43,6 @@ OTHER_GAITS: tuple[Gait | FreeGait, ...] = (
 )
 """What is tried where the certificate's gait fails on the real polygons: the known gaits, and last any gait at all."""
 _SETTLED_M = 0.01
-
-
-@dataclass(slots=True)
-class Tally:
-    """What a mission counts.
-
-    Attributes:
-        repairs: strategies that were made at run time.
-        new_skills: skills that physics certified at run time.
-        resynthesis_ms: processor time of every such strategy from skills at hand.
-        repair_ms: of every one that physics was asked for, physics not counted.
-        contradictions: online programs proved infeasible although the skill has a certificate.
-        other_gaits: how many of them another gait could do.
-        limits: online programs that a limit left open.
-        violations: assumptions that did not hold.
-        detours: how often the global planner was asked for another way.
-        settled: how often the robot stepped in place, because a program failed from where its feet were.
-        idle_for_checks_s: how long the robot stood while physics was asked about new skills.
-        slots: of the motions that were walked.
-        crossed: every online program.
-    """
-
-    repairs: int = 0
-    new_skills: int = 0
-    resynthesis_ms: list[float] = field(default_factory=list)
-    repair_ms: list[float] = field(default_factory=list)
-    contradictions: int = 0
-    other_gaits: int = 0
-    limits: int = 0
-    violations: int = 0
-    detours: int = 0
-    settled: int = 0
-    idle_for_checks_s: float = 0.0
-    slots: list[Slot] = field(default_factory=list)
-    crossed: list[Crossed] = field(default_factory=list)
 
 
 class QuadrupedWalk:
@@ -121,6 +86,7 @@ class QuadrupedWalk:
         self.requests = 0
         self.checking_s = 0.0
         self.delayed = -1
+        self.planned: dict[tuple[World, int, int, frozenset[Edge]], Routes] = {}
 
     def run(self) -> str:
         """Walk; return why the mission ended, empty if the goal was reached."""
@@ -135,22 +101,27 @@ class QuadrupedWalk:
 
     def _prepare(self) -> None:
         """Have skills made that the way to the goal lacks, while the robot stands anyway."""
+        begin_s = time.process_time()
         made = [one for one in looked_ahead(self.world, self.book, self._pose, self.goal) if one.checked]
-        for handled in made:
-            self._spend(handled)
+        self.clock = self.clock.planned(time.process_time() - begin_s)
+        for one in made:
+            self._spend(one.checked, one.symbolic_ms)
         if made:
-            self.log.prepared(made, self.book.new_plans)
+            self.log.prepared([result for one in made for result in one.checked], self.book.new_plans)
 
     def _next_request(self) -> str:
         """Choose a way point, find a strategy, and roll it out; return why there is nothing to do, if so."""
         self._happen()
         cell, turns = self.stance.cell, self.stance.quarter_turns
         state = self.world.state(cell, turns)
+        if cell == self.goal:  # a push took it there
+            return ""
         if state is None:
             return "the robot's own cell has become an obstacle"
-        closed, refused = set(self.failed) | self.lost, self.book.knowledge.refused
+        if not all(map(self.world.holds, self.stance.feet_m)):
+            return "the ground below a foot of the robot has gone"
         begin_s = time.process_time()
-        routes = Routes(self.world, self.goal, turns, refused, closed, self.book.turning)
+        routes, refused = self._routed(turns), self.book.knowledge.refused
         route = routes.route(cell)
         self.clock = self.clock.planned(time.process_time() - begin_s)
         if route is None:
@@ -166,6 +137,14 @@ class QuadrupedWalk:
         else:
             self._give_up(state)
         return ""
+
+    def _routed(self, turns: int) -> Routes:
+        """Return the ways to the goal as a robot with a heading sees them; the same ones while nothing changes."""
+        closed, refused = frozenset(self.failed) | self.lost, self.book.knowledge.refused
+        key = self.world, turns, len(refused), closed
+        if key not in self.planned:
+            self.planned = {key: Routes(self.world, self.goal, turns, refused, closed, self.book.turning)}
+        return self.planned[key]
 
     def _give_up(self, state: TerrainState) -> None:
         """Stand, and ask the global planner for another way: no request from here that leads on has a strategy."""
@@ -208,16 +187,17 @@ class QuadrupedWalk:
         if handled.source == "library":
             return
         self.tally.repairs += 1
-        self._spend(handled)
+        self.clock = self.clock.planned(1e-3 * handled.symbolic_ms)
+        self._spend(handled.checked, handled.symbolic_ms)
 
-    def _spend(self, handled: Handled) -> None:
-        """Let the time pass that a strategy took to make."""
-        self.tally.new_skills += len(handled.answer.new)
-        times = self.tally.repair_ms if handled.checked else self.tally.resynthesis_ms
-        times.append(handled.symbolic_ms)
-        physics_s = sum(one.time_s for one in handled.checked)
+    def _spend(self, checked: Sequence[CheckResult], symbolic_ms: float) -> None:
+        """Count what a strategy took to make, and let the time pass that physics took."""
+        self.tally.new_skills += sum(one.verdict is Physics.FEASIBLE for one in checked)
+        times = self.tally.repair_ms if checked else self.tally.resynthesis_ms
+        times.append(symbolic_ms)
+        physics_s = sum(one.time_s for one in checked)
         self.checking_s += physics_s
-        self.clock = self.clock.planned(1e-3 * handled.symbolic_ms + physics_s)
+        self.clock = self.clock.planned(physics_s)
 
     def _roll_out(self, state: TerrainState, strategy: Strategy) -> None:
         """Follow a strategy until its request is reached, or something stands in its way."""
@@ -240,6 +220,8 @@ class QuadrupedWalk:
         expected = pose_on_map(looked, local, (state.rows, state.columns))
         if self._pose != expected:
             return self._violated("post", f"the robot is in {self.stance.cell}, not in {expected[0]}")
+        if not all(map(self.world.holds, self.stance.feet_m)):
+            return self._violated("terrain", "the ground below a foot of the robot has gone")
         now = self.world.state(*looked)
         if now == state:
             return True
@@ -303,9 +285,10 @@ class QuadrupedWalk:
         """Solve the program of a transition, and let the time pass that it took."""
         turned = (target[1] - self.stance.quarter_turns + 1) % 4 - 1
         heading = self.stance.quarter_turns + turned
+        begin_s = time.process_time()
         problem = crossing(self.robot, self.world, self.stance, target[0], heading, gait, self.limits)
         crossed = cross(problem, certificate, self.limits)
-        self.clock = self.clock.planned(1e-3 * (crossed.retarget_ms + crossed.solve_ms) + self._delay_s())
+        self.clock = self.clock.planned(time.process_time() - begin_s + self._delay_s())
         if isinstance(gait, Gait):
             self.tally.crossed.append(crossed)
         return crossed

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import shapely  # type: ignore[import-untyped]
@@ -21,6 +22,8 @@ from surefoot.skills.values import OBSTACLE, Cell, TerrainState
 
 LEAST_AREA_M2 = 1e-5
 """Smaller leftovers of a polygon that was cut are no places for a foot."""
+TOUCH_M = 1e-6
+"""How far from a polygon a foot may be that stands on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +64,20 @@ class World:
         """Return whether the map has a cell."""
         rows, columns = self.terrain.cells
         return 0 <= cell[0] < rows and 0 <= cell[1] < columns
+
+    def ground_in(self, area: Rectangle) -> list[tuple[Polygon, Any]]:
+        """Return the polygons that meet an area, each with its part there as seen from above, margin put back."""
+        ground, box = self.terrain.ground, shapely.box(area.west, area.south, area.east, area.north)
+        found = []
+        for number in sorted(ground.tree.query(box).tolist()):
+            part = ground.shapes[number].intersection(box)
+            if part.area > 0:
+                found.append((self.terrain.polygons[number], part))
+        return found
+
+    def holds(self, point_m: Array) -> bool:
+        """Return whether there is ground below a foot that stands."""
+        return any(one.excess(point_m) <= TOUCH_M for one in self.terrain.polygons)
 
     def height_m(self, cell: Cell) -> float:
         """Return the mean height of the ground in a cell of the map."""

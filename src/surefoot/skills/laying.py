@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
+from itertools import product, zip_longest
 
 import numpy as np
 
@@ -94,7 +94,7 @@ def lay_cells(polygons: Sequence[Polygon], margin_m: float, wish: Wish) -> tuple
     """
     low = crevices(polygons, margin_m)
     ground = _Ground(tuple(one for number, one in enumerate(polygons) if number not in low), margin_m)
-    tries = sorted(_tries(ground_edges(ground.polygons, margin_m), wish), key=lambda one: -one.gain)
+    tries = _in_turns(_tries(ground_edges(ground.polygons, margin_m), wish), wish.sets)
     measured: list[Lay] = []
     cells = 0
     for one in tries:
@@ -109,11 +109,29 @@ def lay_cells(polygons: Sequence[Polygon], margin_m: float, wish: Wish) -> tuple
             break
     if not measured:
         raise InputError(f"the ground needs more than {_MOST_CELLS} cells; give a larger --cell", key="--cell")
-    best = max((one.arrives, one.worth_m2) for one in measured)
-    good = [one for one in measured if one.arrives == best[0] and one.worth_m2 >= _NEARLY * best[1]]
-    chosen = max(good, key=lambda one: (one.terrain.cell_m, one.worth_m2))
+    chosen = _best(measured)
     terrain = _with_ends(Lay(_turned_uphill(chosen, ground, wish)))
     return Lay(terrain, low), len(measured)
+
+
+def _in_turns(tries: Iterator[_Try], sets: Sequence[ClassSet]) -> list[_Try]:
+    """Return lattices by merit, each set of classes in its turn: gains of cells of different size say little."""
+    ranked = sorted(tries, key=lambda one: -one.gain)
+    turns = [[one for one in ranked if one.classes is classes] for classes in sets]
+    return [one for turn in zip_longest(*turns) for one in turn if one is not None]
+
+
+def _best(lays: Sequence[Lay]) -> Lay:
+    """Return the best lattice: with a way to the goal, and of those nearly as good as the best the largest cells.
+
+    Where none has a way, the one that leaves the most ground to stand on tells best what is in it.
+    """
+    arriving = [one for one in lays if one.arrives]
+    if not arriving:
+        return max(lays, key=lambda one: len(one.standing) * one.terrain.cell_m**2)
+    enough_m2 = _NEARLY * max(one.worth_m2 for one in arriving)
+    good = [one for one in arriving if one.worth_m2 >= enough_m2]
+    return max(good, key=lambda one: (one.terrain.cell_m, one.worth_m2))
 
 
 def _tries(edges: Edges, wish: Wish) -> Iterator[_Try]:

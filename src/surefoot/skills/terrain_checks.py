@@ -15,13 +15,16 @@ from surefoot.skills.quadruped_terrain import QuadrupedTerrain
 from surefoot.skills.values import CheckResult, PhysicsCheck, Primitive, Turn
 
 
-def terrain_checks(terrain: QuadrupedTerrain, executor: Executor, *, time_limit_s: float | None = None) -> Checks:
+def terrain_checks(
+    terrain: QuadrupedTerrain, executor: Executor, *, time_limit_s: float | None = None, at_run_time: bool = False
+) -> Checks:
     """Return who answers about the primitives of a terrain.
 
     Args:
         terrain: its classes, cell and robot count; its polygons do not.
         executor: where the programs are solved.
         time_limit_s: of one search for a motion; None: as physics has it.
+        at_run_time: nothing is known of the start's primitives: their trots are tried where the repair asks for them.
     """
     limits = Limits() if time_limit_s is None else Limits(time_limit_s=time_limit_s)
     start = (*start_primitives(terrain.classes), *(turn_primitives(terrain.classes) if terrain.yaw else ()))
@@ -47,7 +50,8 @@ def terrain_checks(terrain: QuadrupedTerrain, executor: Executor, *, time_limit_
     }
     if terrain.yaw:
         made_with["turn_gaits"] = {turn.value: list(gaits) for turn, gaits in TURN_GAITS.items()}
-    repair = _by_need(frozenset(start), physics(REPAIR_GAITS), every)
+    failed = frozenset[Primitive]() if at_run_time else frozenset(start)
+    repair = _by_need(failed, physics(REPAIR_GAITS), every)
     return Checks(_by_kind(repair, turns), made_with, start, _by_kind(trots, turns))
 
 

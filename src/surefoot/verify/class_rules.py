@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 from pathlib import Path
 
@@ -71,11 +72,16 @@ def shipped_rules(name: str, asking: Path) -> ClassRules:
     Raises:
         InputError: there is none of that name.
     """
-    sets = rules_of(SHIPPED)
+    sets = _shipped()
     if name not in sets:
         message = f"there is no set of classes {name!r}; there are: {', '.join(sets)}"
         raise InputError(message, source=asking, key="classes")
     return sets[name]
+
+
+@cache
+def _shipped() -> dict[str, ClassRules]:
+    return rules_of(SHIPPED)
 
 
 def rules_of(path: Path) -> dict[str, ClassRules]:

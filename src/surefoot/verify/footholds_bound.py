@@ -1,7 +1,9 @@
 """Derives the bound over all gaits from the multipliers of a plan file (docs/formats.md 6).
 
 Any multipliers are sound. With them the base is one linear system, and each foot by itself takes its cheapest pattern:
-a shortest path over cells and nodes of grids on the polygons (``footholds_steps``).
+a shortest path over cells and nodes of grids on the polygons (``footholds_steps``). A file may hold two sets: what the
+first one proves keeps the base of all plans that cost less than some worth within a tube, and the second one needs to
+hold for a base in this tube only.
 """
 
 from __future__ import annotations
@@ -18,26 +20,33 @@ from surefoot.verify.footholds_steps import Steps, cheapest
 _SPACINGS_M = (0.08, 0.055, 0.04)
 _MOST_WORK = 6e8
 _ENOUGH, _FAR = 1e-7, 0.01
+_FEET = np.arange(5)
 
 
 def gait_bound(plan: FootholdFile, kept: Any, claimed: float) -> float:
     """Return what the multipliers prove, with grids as fine as the claim needs and time allows."""
     prices = _Prices(plan, kept)
-    rest = prices.base() - prices.ties() + prices.turning(kept.get("turning", []))
+    tube = kept.get("tube")
+    first, worth = (None, np.inf) if tube is None else (_Prices(plan, tube), float(tube["worth"]))
+    turned = prices.turning(kept.get("turning", []))
     found = -np.inf
     for spacing_m in _SPACINGS_M:
         grids = [grid_of(prices.ground, prices.feet[:, j], prices.start[j], spacing_m) for j in range(4)]
         work = sum(len(grid.points) ** 2 for grid in grids) * prices.cells**2 / 2
         if work > _MOST_WORK and np.isfinite(found):
             break
-        found = max(found, rest + sum(prices.foot(j, grid) for j, grid in enumerate(grids)))
+        ends = prices.ends()
+        span = ends if first is None else first.tube(worth - first.proved(grids, ends))
+        found = max(found, turned + min(prices.proved(grids, span), worth))
         if claimed <= found + _ENOUGH * abs(found) or claimed > found + _FAR * abs(found):
             break
     return float(found)
 
 
 class _Prices:
-    """Multipliers on Eq. (16), shape (N, 4, 3) in the axes of the base, and y on the force, shape (N, 3)."""
+    """Multipliers: on Eq. (16), shape (N, 4, 3) in the axes of the base; y on the force, shape (N, 3); on contact by
+    cell, shape (M,); and the share of the base's acceleration that is paid with the force.
+    """
 
     def __init__(self, plan: FootholdFile, kept: dict[str, Any]) -> None:
         values = plan.values
@@ -52,29 +61,71 @@ class _Prices:
         self.reach = np.zeros((self.size, 4, 3))
         for i, j, a, _, m in kept["reach"]:
             self.reach[int(i), int(j), int(a)] += float(m)
-        self.pull = np.array(kept["pull"], dtype=float)
+        self.pull, self.contact = np.array(kept["pull"], dtype=float), np.array(kept["contact"], dtype=float)
         if self.pull.shape != (self.size, 3) or not (np.isfinite(self.pull).all() and np.isfinite(self.reach).all()):
             raise ValueError("pull")
+        if self.contact.shape != (self.cells,) or not np.isfinite(self.contact).all():
+            raise ValueError("contact")
+        self.split = float(kept["split"])
+        if not 0 <= self.split < 1:
+            raise ValueError("split")
         self.world = np.einsum("iab,ijb->ija", self.turns, self.reach)
+
+    def proved(self, grids: list[Grid], span: tuple[Array, Array]) -> float:
+        """Return what the multipliers prove while the base stays between two paths."""
+        rest = self.base()[0] + self.shared() - self.ties()
+        return rest + sum(self.foot(j, grid, span) for j, grid in enumerate(grids))
 
     def ties(self) -> float:
         """Return what the bounds of Eq. (16) take away."""
         span = np.array(self.plan.values["robot"]["foot_reach_m"], dtype=float)
         return float((self.reach * nominal(self.plan)).sum() + (np.abs(self.reach) * span).sum())
 
-    def base(self) -> float:
-        """Return the least that the base can cost, its force being rewarded by 2 y."""
+    def ends(self) -> tuple[Array, Array]:
+        """Return between which paths every base stays: it is known at sample 0 and at the last two."""
+        low, high = np.full((self.size, 3), -np.inf), np.full((self.size, 3), np.inf)
+        known = self._known()
+        for at in (0, -2, -1):
+            low[at] = high[at] = known[at]
+        return low, high
+
+    def tube(self, slack: float) -> tuple[Array, Array]:
+        """Return between which paths the base of every plan stays that costs at most so much more than is proved."""
+        path, square = self.base()[1:]
+        inner, away = slice(1, -2), np.zeros((self.size, 1))
+        away[inner, 0] = np.sqrt(2 * max(slack, 0.0) * np.diag(np.linalg.inv(square[inner, inner])))
+        return path - away, path + away
+
+    def base(self) -> tuple[float, Array, Array]:
+        """Return the least that the base can cost, its force being rewarded by 2 y; its path; second derivatives."""
         w, mass = self.weights, float(self.plan.values["robot"]["mass_kg"])
-        start, goal = (np.array(self.plan.values[end]["position_m"], dtype=float) for end in ("start", "goal"))
-        up = np.array([0.0, 0.0, self.plan.number("gravity_mps2")])
-        ends = np.zeros((self.size, 3))
-        ends[0], ends[-2:] = start, goal
+        alone, up = w["acceleration"] * (1 - self.split), self._up()
         second = _second(self.size, self.step_s)
-        square = 2 * w["position"] * np.eye(self.size) + 2 * w["acceleration"] * second.T @ second
+        square = 2 * w["position"] * np.eye(self.size) + 2 * alone * second.T @ second
         linear = 2 * mass * second.T @ self.pull - 2 * w["position"] * self.reference - self.world.sum(axis=1)
-        value = _least(square, linear, ends)
+        value, path = _least(square, linear, self._known())
         value += w["position"] * float((self.reference**2).sum()) + 2 * mass * float((self.pull @ up).sum())
-        return value - mass**2 * float((self.pull[0] ** 2).sum()) / w["acceleration"]
+        value += self.size * w["acceleration"] * self.split * float(up @ up)
+        return value - mass**2 * float((self.pull[0] ** 2).sum()) / alone, path, square
+
+    def shared(self) -> float:
+        """Return the least of what feet in contact are paid less what they save, whatever their number."""
+        w, mass = self.weights, float(self.plan.values["robot"]["mass_kg"])
+        share = w["acceleration"] * self.split
+        squares = ((self.pull + share * self._up() / mass) ** 2).sum(axis=1).reshape(self.cells, self.per).sum(axis=1)
+        dear = w["force"] / _FEET[1:] + share / mass**2
+        saved = np.concatenate([np.zeros((self.cells, 1)), squares[:, None] / dear], axis=1)
+        return float((self.contact[:, None] * _FEET - saved).min(axis=1).sum())
+
+    def _up(self) -> Array:
+        return np.array([0.0, 0.0, self.plan.number("gravity_mps2")])
+
+    def _known(self) -> Array:
+        """Return where the base is at its ends, and zeros elsewhere."""
+        path = np.zeros((self.size, 3))
+        path[0] = np.array(self.plan.values["start"]["position_m"], dtype=float)
+        path[-2:] = np.array(self.plan.values["goal"]["position_m"], dtype=float)
+        return path
 
     def turning(self, multipliers: Any) -> float:
         """Return the least cost of the angles, where they are coupled to nothing else."""
@@ -91,23 +142,26 @@ class _Prices:
             pressed[int(i), int(a)] += float(m)
         w, wa = self.weights["orientation"], self.weights["angular_acceleration"]
         linear = second.T @ (pressed * inertia) - 2 * w * angles
-        value = _least(2 * w * np.eye(self.size) + 2 * wa * second.T @ second, linear, ends)
+        value = _least(2 * w * np.eye(self.size) + 2 * wa * second.T @ second, linear, ends)[0]
         return value + w * float((angles**2).sum()) - limit * float(np.abs(pressed).sum())
 
-    def foot(self, foot: int, grid: Grid) -> float:
-        """Return the least that a foot can cost by itself."""
+    def foot(self, foot: int, grid: Grid, span: tuple[Array, Array]) -> float:
+        """Return the least that a foot can cost by itself, with stances within reach of a base between two paths."""
         weights = self.weights
-        reward = (self.pull**2).sum(axis=1) / weights["force"]
+        arm = self.turns @ nominal(self.plan)[foot]
+        half = np.abs(self.turns) @ np.array(self.plan.values["robot"]["foot_reach_m"], dtype=float)
         steps = Steps(
             linear=self.world[:, foot] - 2 * weights["foot"] * self.feet[:, foot],
             constant=weights["foot"] * (self.feet[:, foot] ** 2).sum(axis=1),
-            reward=reward,
+            reward=np.repeat(self.contact / self.per, self.per),
             track=weights["foot"],
             accelerate=weights["foot_acceleration"],
             step_s=self.step_s,
             per=self.per,
             dwell=int(self.plan.values["options"]["min_dwell_cells"]),
             clearance_m=self.plan.number("options", "clearance_m"),
+            near_m=span[0] + arm - half,
+            far_m=span[1] + arm + half,
         )
         return cheapest(steps, grid)
 
@@ -120,9 +174,9 @@ def _second(size: int, step_s: float) -> Array:
     return np.asarray(matrix / step_s**2, dtype=np.float64)
 
 
-def _least(square: Array, linear: Array, ends: Array) -> float:
-    """Return the least of x' square x / 2 + linear . x with samples 0, N-2 and N-1 as given."""
+def _least(square: Array, linear: Array, ends: Array) -> tuple[float, Array]:
+    """Return the least of x' square x / 2 + linear . x with samples 0, N-2 and N-1 as given, and where it is."""
     found, inner = ends.copy(), slice(1, -2)
     rest = linear + square @ ends
     found[inner] = -np.linalg.solve(square[inner, inner], rest[inner])
-    return float((found * (square @ found)).sum() / 2 + (linear * found).sum())
+    return float((found * (square @ found)).sum() / 2 + (linear * found).sum()), found

@@ -25,23 +25,29 @@ class Grid:
     Attributes:
         points: shape (B, 3).
         spread: largest variance of a foothold drawn from the corners of a cell, shape (B,).
+        low: least coordinates of all footholds that may be drawn to this node, shape (B, 3).
+        high: largest ones, shape (B, 3).
     """
 
     points: Array
     spread: Array
+    low: Array
+    high: Array
 
 
 def grid_of(ground: list[Surface], path: Array, start: Array, spacing_m: float) -> Grid:
     """Return nodes for a foot: this far apart along its expected path, and wider where that is far away."""
     parts = [_nodes(one, path, spacing_m) for one in ground]
     return Grid(
-        np.concatenate([*(points for points, _ in parts), start[None]]),
-        np.concatenate([*(spread for _, spread in parts), np.zeros(1)]),
+        np.concatenate([*(part[0] for part in parts), start[None]]),
+        np.concatenate([*(part[1] for part in parts), np.zeros(1)]),
+        np.concatenate([*(part[2] for part in parts), start[None]]),
+        np.concatenate([*(part[3] for part in parts), start[None]]),
     )
 
 
-def _nodes(one: Surface, path: Array, spacing_m: float) -> tuple[Array, Array]:
-    """Return the corners of all grid cells that touch a polygon, and how far their cells spread."""
+def _nodes(one: Surface, path: Array, spacing_m: float) -> tuple[Array, Array, Array, Array]:
+    """Return the corners of all grid cells that touch a polygon, and how far and how wide their cells spread."""
     edges = np.roll(one.corners, -1, axis=0) - one.corners
     along = edges[int((edges**2).sum(axis=1).argmax())]
     frame = np.stack([along / np.linalg.norm(along), np.cross(one.normal, along / np.linalg.norm(along))])
@@ -57,7 +63,17 @@ def _nodes(one: Surface, path: Array, spacing_m: float) -> tuple[Array, Array]:
         np.maximum(part, np.where(touched, variance, -np.inf), out=part)
     used = np.isfinite(spread)
     flat = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)[used]
-    return origin + flat @ frame, spread[used]
+    around = _around(lines)[used]
+    wide = origin + around @ frame
+    return origin + flat @ frame, spread[used], wide.min(axis=1), wide.max(axis=1)
+
+
+def _around(lines: list[Array]) -> Array:
+    """Return the corners of the rectangle of all cells about every node, shape (n, m, 4, 2)."""
+    before = [np.concatenate([line[:1], line[:-1]]) for line in lines]
+    after = [np.concatenate([line[1:], line[-1:]]) for line in lines]
+    sides = ((before[0], before[1]), (before[0], after[1]), (after[0], before[1]), (after[0], after[1]))
+    return np.stack([np.stack(np.meshgrid(*pair, indexing="ij"), axis=-1) for pair in sides], axis=2)
 
 
 def _lines(corners: Array, way: Array, spacing_m: float) -> Array:

@@ -13,6 +13,7 @@ from surefoot.verify.footholds_grid import Grid
 
 _MOST_LEVELS = 5
 _LEVEL_M = 0.005
+_EPS_M = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,6 +30,8 @@ class Steps:
         per: samples of a cell.
         dwell: cells that a stance between swings, or a swing, lasts at least.
         clearance_m: of the middle of a swing above both its ends.
+        near_m: least coordinates within reach at every sample, shape (N, 3).
+        far_m: largest ones, shape (N, 3).
     """
 
     linear: Array
@@ -40,6 +43,8 @@ class Steps:
     per: int
     dwell: int
     clearance_m: float
+    near_m: Array
+    far_m: Array
 
 
 def cheapest(steps: Steps, grid: Grid) -> float:
@@ -48,17 +53,25 @@ def cheapest(steps: Steps, grid: Grid) -> float:
     level, levels_m = _levels(grid.points[:, 2])
     landed = np.full((cells, nodes), np.inf)
     landed[0, -1] = 0.0
-    standing = _standing(steps, grid)
+    standing, within = _standing(steps, grid), _within(steps, grid, cells)
     lifted = np.full((cells + 1, nodes), np.inf)
     for to in range(1, cells + 1):
         for since in range(to):
             if since == 0 or to == cells or to - since >= steps.dwell:
-                np.minimum(lifted[to], landed[since] + standing(since, to), out=lifted[to])
+                cost = np.where(within[since:to].all(axis=0), landed[since] + standing(since, to), np.inf)
+                np.minimum(lifted[to], cost, out=lifted[to])
         if to < cells:
             for lift in range(1, to - steps.dwell + 1):
                 cost = _swing(steps, grid, lift, to, level, levels_m)
                 landed[to, :-1] = np.minimum(landed[to, :-1], (lifted[lift][:, None] + cost).min(axis=0)[:-1])
     return float(lifted[cells].min())
+
+
+def _within(steps: Steps, grid: Grid, cells: int) -> np.ndarray:
+    """Return in which cells footholds that may be drawn to a node are within reach at all samples, shape (M, B)."""
+    near, far = steps.near_m[:, None] - _EPS_M, steps.far_m[:, None] + _EPS_M
+    kept = ((grid.high >= near) & (grid.low <= far)).all(axis=2)
+    return np.asarray(kept.reshape(cells, steps.per, -1).all(axis=1))
 
 
 def _standing(steps: Steps, grid: Grid) -> Callable[[int, int], Array]:

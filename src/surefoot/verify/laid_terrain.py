@@ -30,7 +30,7 @@ def check_laid_terrain(path: Path, ledger: Ledger) -> None:
         InputError: a file cannot be read, names no scan, or the scan has changed.
     """
     ground = read_map(path)
-    if ground.given.get("laid") is None:
+    if not ground.given.has("laid"):
         message = "was not laid over a scan by `surefoot terrain lay`: there is nothing to check it against"
         raise InputError(message, source=path, key="laid")
     laid = ground.given.mapping("laid")

@@ -114,7 +114,8 @@ def view_page(path: Path, out: Path, body: str | None = None, say: Callable[[str
     from surefoot.viewer import kinds
     from surefoot.viewer.bodies import Body
     from surefoot.viewer.gr1_page import write_gr1_page
-    from surefoot.viewer.replay import silent, write_motion
+    from surefoot.viewer.remarks import silent
+    from surefoot.viewer.replay import write_motion
 
     if kinds.demand(path, "--html") is kinds.STRATEGY:
         if body is not None:
@@ -142,7 +143,7 @@ def view_bag(path: Path, out: Path, say: Callable[[str], None] | None = None) ->
 
     if kinds.demand(path, "--mcap") in (kinds.FOOTHOLDS, kinds.QUADRUPED_RUN):
         from surefoot.viewer.foothold_bag import write_foothold_bag
-        from surefoot.viewer.replay import silent
+        from surefoot.viewer.remarks import silent
 
         return write_foothold_bag(path, out, say or silent)
     from surefoot.viewer.run_bag import write_run_bag

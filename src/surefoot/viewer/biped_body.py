@@ -14,7 +14,7 @@ from surefoot.viewer.headings import headings_rad
 from surefoot.viewer.mesh_body import MeshBody, Walk
 from surefoot.viewer.mesh_files import parts_of
 from surefoot.viewer.page import colour
-from surefoot.viewer.reach_words import out_of_reach, said_of_frame
+from surefoot.viewer.remarks import out_of_reach, said_of_frame
 from surefoot.viewer.robot_model import RobotModel, turn_about
 from surefoot.viewer.timeline import Timeline
 

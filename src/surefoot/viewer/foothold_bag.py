@@ -8,18 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.robots.legs import JOINTS
-from surefoot.viewer import style
 from surefoot.viewer.body import quaternions
 from surefoot.viewer.foothold_motion import FootholdMotion, read_motion
 from surefoot.viewer.footholds import FOOT_COLOURS
+from surefoot.viewer.ground_bag import add_ground, add_terrain
 from surefoot.viewer.quadruped_figure import FEET
-from surefoot.viewer.reach_words import out_of_reach
-from surefoot.viewer.replay import Say, silent
+from surefoot.viewer.remarks import Say, out_of_reach, silent
 from surefoot.viewer.ros_messages import (
     ARROW,
-    LINE_STRIP,
     MARKERS,
-    Message,
     Recording,
     header,
     marker,
@@ -27,6 +24,7 @@ from surefoot.viewer.ros_messages import (
     recording,
     transforms,
 )
+from surefoot.viewer.run_ground import read_run_ground
 
 Array = NDArray[np.float64]
 
@@ -37,21 +35,27 @@ _ARROW_M = (0.012, 0.03, 0.05)
 def write_foothold_bag(source: Path, path: Path, say: Say = silent) -> Path:
     """Write a quadruped's motion as an MCAP file, with the times of its samples.
 
-    Topics: ``/terrain``, ``/path`` (base), ``/forces``, ``/tf`` (base and feet), ``/joint_states``.
+    Topics: ``/terrain``, ``/path`` (base), ``/forces``, ``/tf`` (base and feet), ``/joint_states``; of a run also
+    ``/skill``, ``/obstacles``, ``/way_point``, ``/goals``.
 
     Args:
         source: a plan file with a motion, or the folder of a run.
         path: of the MCAP file.
-        say: is told when joints cannot bring the feet where they were planned.
+        say: is told when joints cannot bring the feet where they were planned, or the terrain is not to be had.
 
     Raises:
         InputError: there is no motion.
         BackendMissing: the packages that write it are not installed.
     """
     motion = read_motion(source)
+    ground = read_run_ground(source, say) if source.is_dir() else None
     begin_s = float(motion.time_s[0])
     with recording(path) as bag:
-        bag.add("/terrain", MARKERS, begin_s, {"markers": _terrain(motion, begin_s)})
+        if ground is None:
+            add_terrain(bag, begin_s, motion.polygons_m, len(motion.polygons_m))
+        else:
+            add_ground(bag, ground, begin_s)
+        _add_skills(bag, motion)
         bag.add("/path", "nav_msgs/msg/Path", begin_s, path_message(motion.time_s, motion.base_m))
         _add_samples(bag, motion)
         away_m = _add_joints(bag, motion)
@@ -69,11 +73,13 @@ def _add_joints(bag: Recording, motion: FootholdMotion) -> Array:
     return away_m
 
 
-def _terrain(motion: FootholdMotion, time_s: float) -> list[Message]:
-    return [
-        marker(time_s, ("terrain", number), LINE_STRIP, style.WALL, (0.008, 0, 0), points_m=[*polygon, polygon[0]])
-        for number, polygon in enumerate(motion.polygons_m)
-    ]
+def _add_skills(bag: Recording, motion: FootholdMotion) -> None:
+    """Write what the robot does, whenever that changes."""
+    said = ""
+    for time_s, word in zip(motion.time_s.tolist(), motion.words, strict=True):
+        if word != said:
+            bag.add("/skill", "std_msgs/msg/String", time_s, {"data": word})
+            said = word
 
 
 def _add_samples(bag: Recording, motion: FootholdMotion) -> None:

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from surefoot.skills.patches import Rectangle
 from surefoot.viewer import style
 from surefoot.viewer.page import add_solid, colour
-from surefoot.viewer.run_ground import RunGround
+from surefoot.viewer.run_ground import OBSTACLE_M, RunGround
 from surefoot.viewer.solids import slab, together
 
 Array = NDArray[np.float64]
 
-_OBSTACLE_M = 0.45
 _PIT_M, _MARGIN_M = 0.30, 0.4
 """How far below the lowest ground, and beyond the outermost, the bottom of the pit is drawn."""
 _THIN_M, _BAR_M = 0.05, 0.04
@@ -103,7 +102,7 @@ class GroundScene:
         return round(share * (_LEVELS - 1))
 
     def _add_obstacle(self, number: int, box: Rectangle) -> Any:
-        size_m = (box.east - box.west, box.north - box.south, _OBSTACLE_M + _PIT_M)
+        size_m = (box.east - box.west, box.north - box.south, OBSTACLE_M + _PIT_M)
         centre = ((box.west + box.east) / 2, (box.south + box.north) / 2, float(self.low_m[2]) + size_m[2] / 2 - _PIT_M)
         return self.scene.add_box(f"/obstacles/{number}", colour(style.OBSTACLE), size_m, position=centre)
 

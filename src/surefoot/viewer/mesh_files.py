@@ -84,7 +84,8 @@ def parts_of(model: RobotModel, most_faces: int = MOST_FACES) -> tuple[Part, ...
 
 def _part(visual: Visual, mesh: Any, rgb: tuple[float, float, float]) -> Part:
     vertices = mesh.vertices @ (visual.pose[:3, :3] * _scale(visual)).T + visual.pose[:3, 3]
-    return Part(visual.link, vertices.astype(np.float32), mesh.faces.astype(np.uint32), rgb)
+    faces = mesh.faces if np.prod(visual.size) > 0 else mesh.faces[:, ::-1]  # a mirrored mesh is inside out
+    return Part(visual.link, vertices.astype(np.float32), faces.astype(np.uint32), rgb)
 
 
 def _scale(visual: Visual) -> NDArray[np.float64]:

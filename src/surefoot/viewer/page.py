@@ -111,6 +111,13 @@ def colour(name: str) -> tuple[int, int, int]:
     return tuple(int(name[place : place + 2], 16) for place in (1, 3, 5))  # type: ignore[return-value]
 
 
+def arrow_colour(name: str) -> tuple[int, int, int]:
+    """Return the same for arrows: viser does not correct theirs for screens, so that they would come out too bright."""
+    parts = np.array(colour(name)) / 255
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    return tuple(int(part) for part in np.round(255 * linear))  # type: ignore[return-value]
+
+
 def add_solid(scene: Any, name: str, solid: Any, hue: str, **looks: Any) -> Any:
     """Add triangles to a scene; nothing when there are none."""
     if len(solid.faces) == 0:

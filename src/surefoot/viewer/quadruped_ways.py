@@ -13,27 +13,29 @@ from matplotlib.lines import Line2D
 from surefoot.missions.bench_campaign import Campaign
 from surefoot.missions.bench_detours import Detour, records
 from surefoot.missions.bench_quadruped import Measured
-from surefoot.missions.bench_straight import Steps, Straight, by_heuristic
+from surefoot.missions.bench_straight import WIDEST_M, Steps, Straight, by_heuristic
 from surefoot.missions.bench_tables import TurnedRow, turned_rows
 from surefoot.skills import QuadrupedTerrain, read_terrain
 from surefoot.viewer import style
 from surefoot.viewer.quadruped_run import draw_map, inches
 
 _BESIDE_M = 1e-6
+_STRIP = 0.4
+"""Share of the map's width that is drawn about the straight way."""
 
 
 def draw_ways(campaign: Campaign, found: Measured, folder: Path) -> list[Path]:
     """Draw what there is to be drawn: ``detour.png``, ``nearest.png`` and ``turned.png``.
 
-    Of all maps on which the robot went another way, the first is drawn, and the one that is worst for the nearest
-    foothold at its lowest speed.
+    Of all maps on which the robot went another way, the first is drawn, and the one with about the distance that was
+    asked for on which the nearest foothold fails at its lowest speed.
     """
     folder.mkdir(parents=True, exist_ok=True)
     detours = [one for one in found.detours if one.ended.reached and one.ended.transitions > one.segments_before]
     ways = [one for one in found.straight if one.thinned and one.bent and one.ended.reached]
     pictures = [draw_detour(campaign, one, folder / "detour.png") for one in detours[:1]]
-    worst = sorted(ways, key=lambda one: -one.heuristic[0].steps.out_of_reach)
-    pictures += [draw_nearest_way(campaign, one, folder / "nearest.png") for one in worst[:1]]
+    best = sorted(ways, key=lambda one: (one.heuristic[0].steps.sound, abs(one.widest_m - WIDEST_M)))
+    pictures += [draw_nearest_way(campaign, one, folder / "nearest.png") for one in best[:1]]
     return [*pictures, *([draw_turned(turned_rows(found.turned), folder / "turned.png")] if found.turned else [])]
 
 
@@ -41,7 +43,7 @@ def draw_detour(campaign: Campaign, detour: Detour, path: Path) -> Path:
     """Draw a mission without and with an obstacle that appears (Zhou et al. 2025, Fig. 14)."""
     place = campaign.place(detour.scene, detour.seed)
     width, height = inches(read_terrain(place / "terrain.yaml"))
-    with style.pictured(path, 2 * width + 1.4, height + 1.6) as figure:
+    with style.pictured(path, 2 * width + 1.4, height + 2.0) as figure:
         panels = figure.subplots(1, 2)
         handles: dict[str, Any] = {}
         for axes, name, what in zip(panels, ("run", "detour"), ("without", "with"), strict=True):
@@ -61,26 +63,30 @@ def draw_nearest_way(campaign: Campaign, way: Straight, path: Path) -> Path:
     terrain = read_terrain(place / ("thinned.yaml" if way.thinned else "straight.yaml"))
     slow, fast = (one for one in way.heuristic if one.gait == way.heuristic[0].gait)
     width, height = inches(terrain)
-    with style.pictured(path, 3 * width + 1.6, height + 1.6) as figure:
-        panels = figure.subplots(1, 3)
+    with style.pictured(path, (1 + 2 * _STRIP) * width + 1.6, height + 2.2) as figure:
+        panels = figure.subplots(1, 3, width_ratios=[1, _STRIP, _STRIP])
         run = place / ("thinned" if way.thinned else "straight")
         handles = draw_map(panels[0], run, records(run))
-        panels[0].set_title(f"mission: {_judged(way.ours)}", fontsize=8.5)
+        taken = ", bars taken away" if way.thinned else ""
+        panels[0].set_title(f"{way.scene}, seed {way.seed}{taken}: mission\n{_judged(way.ours)}", fontsize=8.5)
         for axes, one in zip(panels[1:], (slow, fast), strict=True):
             draw_map(axes, run, [record for record in records(run) if record["record"] in ("header", "event")])
             _draw_footholds(axes, terrain, one.gait, one.speed_mps)
-            axes.set_title(f"nearest foothold, {one.speed_mps:g} m/s: {_judged(one.steps)}", fontsize=8.5)
-        style.title(figure, f"{way.scene}, seed {way.seed}, bars taken away: widest distance {way.widest_m:.2f} m")
-        style.legend_outside(figure, [*handles, *_foothold_handles()], columns=5)
+            axes.set_title(f"nearest, {one.speed_mps:g} m/s\n{_judged(one.steps)}", fontsize=8.5)
+            axes.set_ylabel("")
+        style.legend_outside(figure, [*handles, *_foothold_handles()], columns=4)
     return path
 
 
 def _judged(steps: Steps) -> str:
-    return f"{steps.out_of_reach} of {steps.footholds} out of reach, {steps.off_polygon} beside"
+    return f"of {steps.footholds}: {steps.out_of_reach} out of reach, {steps.off_polygon} beside"
 
 
 def _draw_footholds(axes: Axes, terrain: QuadrupedTerrain, gait: str, speed_mps: float) -> None:
-    for one in by_heuristic(terrain, gait, speed_mps):
+    footholds = by_heuristic(terrain, gait, speed_mps)
+    middle, side = -float(np.mean([one.wished_m[1] for one in footholds])), _STRIP * np.ptp(axes.get_xlim()) / 2
+    axes.set_xlim(middle - side, middle + side)
+    for one in footholds:
         out, beside = one.beyond_reach_m > _BESIDE_M, one.off_polygon_m > _BESIDE_M
         colour = style.VERMILION if out else style.BLUE
         axes.plot(*np.array([one.chosen_m, one.landed_m])[:, 1::-1].T * [[-1], [1]], color=colour, lw=0.8, zorder=8)

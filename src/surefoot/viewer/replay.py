@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from surefoot.errors import InputError
@@ -11,6 +10,7 @@ from surefoot.viewer.foothold_motion import read_motion
 from surefoot.viewer.foothold_scene import FootholdScene
 from surefoot.viewer.quadruped_run import is_quadruped_run
 from surefoot.viewer.recording import write_recording
+from surefoot.viewer.remarks import Say, silent
 from surefoot.viewer.run_ground import read_run_ground
 from surefoot.viewer.run_scene import RunScene
 from surefoot.viewer.sources import RunSource, read_run_source
@@ -18,11 +18,6 @@ from surefoot.viewer.strategy_page import write_strategy_page
 from surefoot.viewer.timeline import Timeline, curves_of, timeline
 
 RATE_HZ = 12.0
-Say = Callable[[str], None]
-
-
-def silent(remark: str) -> None:
-    """Say nothing."""
 
 
 def write_motion(path: Path, out: Path, body: Body | None = None, say: Say = silent) -> Path:
@@ -50,9 +45,7 @@ def write_motion(path: Path, out: Path, body: Body | None = None, say: Say = sil
 def write_quadruped(path: Path, out: Path, body: Body | None, say: Say) -> Path:
     """Write a foothold plan, or the run of a quadruped on the ground that it went over, as one page."""
     motion = read_motion(path)
-    ground = read_run_ground(path) if path.is_dir() else None
-    if path.is_dir() and ground is None:
-        say("the terrain file of the run is missing or was changed: only the ground that its plans knew is shown")
+    ground = read_run_ground(path, say) if path.is_dir() else None
     chosen = chosen_body(motion.robot, biped=False, asked=body)
     for note in write_recording(out, lambda scene: FootholdScene(scene, motion, chosen, ground)):
         say(note)

@@ -17,6 +17,7 @@ from surefoot.missions.quadruped_world import World
 from surefoot.skills import read_terrain
 from surefoot.skills.patches import Rectangle
 from surefoot.viewer.foothold_motion import records_of
+from surefoot.viewer.remarks import Say, silent
 
 Array = NDArray[np.float64]
 Record = Mapping[str, Any]
@@ -60,11 +61,16 @@ class RunGround:
     goal_m: Array
 
 
-def read_run_ground(run_dir: Path, *, growing: bool = False) -> RunGround | None:
+OBSTACLE_M = 0.45
+"""How high obstacles are drawn above the lowest ground; the log has their ground plans only."""
+
+
+def read_run_ground(run_dir: Path, say: Say = silent, *, growing: bool = False) -> RunGround | None:
     """Read the ground of a quadruped's run; None if its terrain is not there any more, or was changed.
 
     Args:
         run_dir: the folder of the run.
+        say: is told when the terrain is not to be had.
         growing: whether a last line without its end is passed over, because it is still being written.
 
     Raises:
@@ -76,6 +82,7 @@ def read_run_ground(run_dir: Path, *, growing: bool = False) -> RunGround | None
         header = records[0]
         terrain = run_dir / str(header["terrain"]["path"])
         if not terrain.is_file() or sha256_of(terrain) != header["terrain"]["sha256"]:
+            say("the terrain file of the run is missing or was changed: only the ground that its plans knew is shown")
             return None
         begin = World(read_terrain(terrain, classes=header["classes"]))
         x, y = header["goal"]["place_m"]

@@ -13,7 +13,7 @@ from surefoot.viewer import style
 from surefoot.viewer.belief_tiles import KIND_HUES, BeliefTiles
 from surefoot.viewer.biped_figure import BipedFigure
 from surefoot.viewer.bodies import SIMPLE, Chosen
-from surefoot.viewer.page import Cameras, add_solid, colour
+from surefoot.viewer.page import Cameras, add_solid, arrow_colour, colour
 from surefoot.viewer.scenery import light
 from surefoot.viewer.solids import borders, floor_m, floors, heights_of, walls
 from surefoot.viewer.sources import PlanSource, RunSource
@@ -30,7 +30,9 @@ def add_ground(scene: Any, plan: PlanSource) -> None:
     """Draw floors, stairs, walls and goals."""
     heights = heights_of(plan)
     add_solid(scene, "/map/floors", floors(plan, heights), _PAPER, cast_shadow=False)
-    scene.add_line_segments("/map/cells", borders(plan, heights), colour(_LINES), line_width=1.0)
+    scene.add_line_segments(
+        "/map/cells", borders(plan, heights), colour(_LINES), thickness=1.0, thickness_units="screen"
+    )
     add_solid(scene, "/map/walls", walls(plan.occupancy), style.WALL)
     for number, cell in enumerate(plan.cells("goals")):
         place = (*centre_m(plan, cell), floor_m(heights, cell) + 0.01)
@@ -142,7 +144,7 @@ class RunScene:
                 begin = self._com_at(step, step.push.time_s)
                 jump_mps = np.array([*in_world(step.yaw_rad, step.push.jump_mps), 0.0])
                 arrow = np.array([[begin, begin + _JUMP_S * jump_mps]])
-                self.scene.add_arrows(f"/pushes/{step.step}", arrow, colour(style.VERMILION))
+                self.scene.add_arrows(f"/pushes/{step.step}", arrow, arrow_colour(style.VERMILION))
         self.pushed = len(steps)
 
     def _com_at(self, step: Step, time_s: float) -> NDArray[np.float64]:

@@ -67,12 +67,15 @@ def cell_tiles(grid: CoarseGrid, heights: HeightMap, cells: NDArray[np.int64], a
 
 
 def borders(source: PlanSource, heights: HeightMap) -> Array:
-    """Return the sides of the free cells just above their floors, shape (n, 2, 3)."""
+    """Return the sides of the free cells without stairs, just above their floors, shape (n, 2, 3)."""
     raised = np.array([0.0, 0.0, 0.004])
     lines = []
     for row, column in np.argwhere(source.grid.free):
+        cell = Cell(int(row), int(column))
+        if heights.profile(cell) is not None:
+            continue
         flat = points_m(source.grid, np.array([column, row]) + _CORNERS)
-        height_m = np.full((4, 1), floor_m(heights, Cell(int(row), int(column))))
+        height_m = np.full((4, 1), floor_m(heights, cell))
         corners = np.concatenate([flat, height_m], axis=1) + raised
         lines.append(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
     return np.concatenate(lines) if lines else np.zeros((0, 2, 3))

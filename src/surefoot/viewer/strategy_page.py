@@ -56,6 +56,7 @@ def _data(source: PlanSource, strategy: NavigationStrategy) -> dict[str, Any]:
         "free": [int(index) for index in np.flatnonzero(grid.free)],
         "goals": list(strategy.goals),
         "states": [_known(strategy, state) for state in strategy.states],
+        "sizes": [len(members) for members in strategy.kinds],
         "hues": [KIND_HUES[kind % len(KIND_HUES)] for kind in range(len(strategy.kinds))],
         **arrays,
     }

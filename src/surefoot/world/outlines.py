@@ -50,7 +50,7 @@ def inset_outline(mask: Flags, margin_cells: float, least_cells: float = 0.0) ->
         return shapely.Polygon(), float(plain.area)
     if plain.area < THIN * contour.area:
         return plain, float(plain.area)
-    inward = max(margin_cells - UNSURE_CELLS / 2, min(margin_cells, UNSURE_CELLS))
+    inward = taken_off(margin_cells)
     for tolerance in SIMPLIFY_CELLS:
         inset = _shrunk(_region([straightened(ring, tolerance) for ring in rings]), inward)
         poked = tips[_too_near(inset, tips, TIP_CELLS)] if margin_cells > 0 and len(tips) else tips[:0]
@@ -61,6 +61,19 @@ def inset_outline(mask: Flags, margin_cells: float, least_cells: float = 0.0) ->
             if inset.area > 0.9 * plain.area:
                 return _polygons(inset), float(plain.area)
     return _shrunk(contour, inward), float(plain.area)
+
+
+def taken_off(margin_cells: float) -> float:
+    """Return what is taken off an edge: the margin less a quarter of a cell, yet not less than half a cell of it."""
+    return max(margin_cells - UNSURE_CELLS / 2, min(margin_cells, UNSURE_CELLS))
+
+
+def within(shape: Any, box: tuple[float, float, float, float]) -> Any:
+    """Return the polygons of a shape inside a rectangle: fitted edges may reach beyond the scan."""
+    west, south, east, north = shape.bounds
+    if west >= box[0] and south >= box[1] and east <= box[2] and north <= box[3]:
+        return shape
+    return _polygons(shapely.intersection(shape, shapely.box(*box)))
 
 
 def _too_near(shape: Any, points: Floats, distance: float) -> Flags:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from surefoot.world.segmentation import Segmentation
 
 Floats = NDArray[np.float64]
+_INSIDE_CELLS = 1e-6
+"""Without a margin too, polygons end before the scan does."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -164,7 +166,7 @@ class _Builder:
         import shapely  # type: ignore[import-untyped]
 
         from surefoot.world.convex_pieces import area_of, convex_pieces
-        from surefoot.world.outlines import inset_outline
+        from surefoot.world.outlines import inset_outline, within
 
         cell_m = self.elevation.resolution_m
         mask = self.found.labels[place] == label
@@ -175,6 +177,7 @@ class _Builder:
             return
         least_m2 = self.options.min_area_m2 * rise
         inset, plain_cells = inset_outline(mask, self.options.margin_m / cell_m, least_m2 / cell_m**2)
+        inset = within(inset, self._extent(place)) if not inset.is_empty else inset
         parts = shapely.get_parts(self._placed(inset, place))
         pieces = [piece for part in parts if part.area >= least_m2 for piece in convex_pieces(part)]
         areas = [area_of(piece) for piece in pieces]
@@ -196,6 +199,15 @@ class _Builder:
         error_m = self._measure(place, label)
         indices = tuple(range(first, len(self.polygons)))
         self.regions.append(TerrainRegion(normal, offset_m, size * cell_m**2 / rise, flat_m2 / rise, indices, error_m))
+
+    def _extent(self, place: tuple[slice, slice]) -> tuple[float, float, float, float]:
+        """Return the least and largest column and row of the scan, margin off, as positions in a place of the map."""
+        from surefoot.world.outlines import taken_off
+
+        off = max(taken_off(self.options.margin_m / self.elevation.resolution_m), _INSIDE_CELLS) - 0.5
+        rows, columns = self.found.labels.shape
+        top, left = place[0].start, place[1].start
+        return off - left, off - top, columns - 1 - off - left, rows - 1 - off - top
 
     def _measure(self, place: tuple[slice, slice], label: int) -> float:
         """Return the largest distance of the ground from the plane, and remember the largest of all regions."""

@@ -1,14 +1,21 @@
-"""What is said of feet that the joints of a drawn robot do not reach."""
+"""What is said of things that are drawn or recorded otherwise than they were planned."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+Say = Callable[[str], None]
+"""Is told a remark."""
+
 TOLERANCE_M = 1e-3
 """A leg reaches its foot when it comes as near as this."""
+
+
+def silent(remark: str) -> None:
+    """Say nothing."""
 
 
 def said_of_frame(away_m: NDArray[np.float64], names: Sequence[str]) -> str:

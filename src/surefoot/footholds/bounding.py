@@ -1,0 +1,104 @@
+"""Raises the bound over all gaits: prices first, then prices within the tube that these and the best plan leave."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.footholds.ascent import Ascent, even_prices, repriced
+from surefoot.footholds.cells import Cells
+from surefoot.footholds.dual import Priced, Pricing
+from surefoot.footholds.problem import Problem
+from surefoot.footholds.sharing import Prices
+from surefoot.footholds.tube import tube_below
+
+_BOXES = 32
+_ROUND, _FIRST_ROUNDS = 30, 5
+_SPLIT = 0.7
+_MARGIN = 4e-3
+_CHEAPER = 0.995
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GaitProof:
+    """What proves a bound over all gaits: no plan costs less than ``bound``.
+
+    Attributes:
+        bound: without the cost of the orientation.
+        prices: multipliers; within the tube, if there is one.
+        first: multipliers that prove the tube, for plans that cost less than ``worth``; None: there is no tube.
+        worth: infinite without a tube.
+    """
+
+    bound: float
+    prices: Prices
+    first: Prices | None = None
+    worth: float = np.inf
+
+
+class Bounding:
+    """The bound so far, and the walk that raises it.
+
+    Args:
+        problem: its gait is free.
+        guide: evaluates prices quickly; its tube is changed as it becomes known.
+    """
+
+    def __init__(self, problem: Problem, guide: Pricing) -> None:
+        self.problem, self.guide = problem, guide
+        self.free, self.confined = Pricing(problem, _BOXES), Pricing(problem, _BOXES)
+        self.ascent = Ascent(guide, even_prices(problem))
+        self.rounds = 0
+        self.first: tuple[Prices, Priced] | None = None
+        self.worth = np.inf
+        self.proof = self._proved(even_prices(problem))
+
+    @property
+    def stuck(self) -> bool:
+        """Whether more rounds would not help."""
+        return self.rounds > _FIRST_ROUNDS and self.ascent.stuck
+
+    def climb(self, worth: float, stop: Callable[[], bool]) -> list[Cells]:
+        """Go on for a round; return the contact tables that its prices suggest.
+
+        Args:
+            worth: cost of the best plan.
+            stop: asked now and then.
+        """
+        suggested: list[Cells] = []
+        self.rounds += 1
+        if self.rounds > _FIRST_ROUNDS and worth < _CHEAPER * self.worth:
+            self._confine(worth)
+        for _ in range(_ROUND):
+            if stop():
+                return suggested
+            suggested.append(self.ascent.step(worth).cells)
+        found = self._proved(self.ascent.prices)
+        if found.bound > self.proof.bound:
+            self.proof = found
+        return suggested
+
+    def _confine(self, worth: float) -> None:
+        """Keep the base in the tube of all plans that cost less."""
+        if self.first is None:
+            prices = self.ascent.prices
+            self.first = prices, self.free.at(prices)
+            split = repriced(self.guide, prices, _SPLIT)
+        else:
+            split = self.ascent.prices
+        prices, priced = self.first
+        slack = worth - (1 - _MARGIN) * priced.bound
+        tube = tube_below(self.problem, self.free.base_hessian(prices.split)[1], priced.base_m, slack)
+        self.guide.confine(tube)
+        self.confined.confine(tube)
+        self.worth, self.ascent = worth, Ascent(self.guide, split)
+
+    def _proved(self, prices: Prices) -> GaitProof:
+        """Return what prices prove; a little is left to checkers who cut the ground otherwise."""
+        if self.first is None:
+            bound = self.free.at(prices).bound
+            return GaitProof(bound - _MARGIN * abs(bound), prices)
+        bound = self.confined.at(prices).bound
+        return GaitProof(min(bound - _MARGIN * abs(bound), self.worth), prices, self.first[0], self.worth)

@@ -1,0 +1,126 @@
+"""From a scan of stairs to a verified run, through the commands; and what they say where that does not work."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from surefoot.cli import main
+from surefoot.world.synthetic_terrain import stairs
+
+PNG = b"\x89PNG"
+
+
+def run(*arguments: str) -> int:
+    try:
+        code = main(list(arguments))
+    except SystemExit as leaving:
+        code = leaving.code  # type: ignore[assignment]
+    return int(code or 0)
+
+
+def said(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    answer: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return answer
+
+
+def segmented(folder: Path, riser_m: float) -> Path:
+    """Segment a scan of two steps between landings of 1 m, and return the terrain file."""
+    scan = stairs(steps=3, riser_m=riser_m, width_m=0.9, seed=3, yaw_rad=0.2).elevation
+    np.savez(folder / "scan.npz", heights=scan.height_m, resolution_m=0.02, origin_m=np.array(scan.origin_m))
+    terrain = folder / "terrain.json"
+    assert run("terrain", "segment", str(folder / "scan.npz"), "-o", str(terrain), "--json") == 0
+    return terrain
+
+
+def test_scanned_stairs_are_laid_verified_and_climbed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    terrain, mission, picture = segmented(tmp_path, 0.17), tmp_path / "mission.yaml", tmp_path / "mission.png"
+    capsys.readouterr()
+    arguments = ["--classes", "stairs", "--cell", "0.3", "--plot", str(picture), "--json"]
+    assert run("terrain", "lay", str(terrain), "-o", str(mission), *arguments) == 0
+    laid = said(capsys)
+    assert laid["way"] is True
+    assert (laid["classes"], laid["cell_m"], laid["blocked_by"]) == ("stairs", 0.3, [])
+    assert laid["yaw_deg"] == pytest.approx(np.degrees(0.2), abs=1.5)
+    assert len(laid["obstacles"]) == laid["cells"][0] * laid["cells"][1] - laid["standing"]
+    assert picture.read_bytes()[:4] == PNG
+    assert run("verify", str(mission), "--json") == 0
+    assert said(capsys)["counts"]["polygons"] == laid["polygons"]
+    assert run("run", str(mission), "-o", str(tmp_path / "run"), "--json") == 0
+    walked = said(capsys)
+    assert (walked["reached"], walked["verified"], walked["blocked_by"]) == (True, True, [])
+    assert run("verify", str(tmp_path / "run")) == 0
+    mission.write_text(mission.read_text().replace('"friction": 0.6', '"friction": 0.7', 1))
+    capsys.readouterr()
+    assert run("verify", str(mission)) == 1
+    assert "is no polygon of the scan" in capsys.readouterr().out
+    terrain.write_text(terrain.read_text() + " ")
+    assert run("verify", str(mission)) == 2
+    assert "does not fit terrain.json" in capsys.readouterr().err
+
+
+def test_steps_too_high_are_told_with_cell_measure_and_limit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    terrain, mission = segmented(tmp_path, 0.25), tmp_path / "mission.yaml"
+    capsys.readouterr()
+    arguments = ["--start", "0.4,0.5", "--goal", "1.9,0.9", "--cell", "0.3", "--classes", "stairs"]
+    assert run("terrain", "lay", str(terrain), "-o", str(mission), *arguments, "--json") == 1
+    blocked = said(capsys)["blocked_by"]
+    assert blocked
+    assert blocked[0]["why"][0]["measure"] == "rise_m"
+    assert blocked[0]["why"][0]["value"] == pytest.approx(0.25, abs=0.02)
+    assert run("run", str(mission), "-o", str(tmp_path / "run")) == 1
+    told = capsys.readouterr().out
+    assert "in the way: cell [" in told
+    assert "its height above the robot's ground is 0.2" in told
+
+
+def test_cells_that_fit_nowhere_are_explained_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    terrain, picture = segmented(tmp_path, 0.17), tmp_path / "cells.png"
+    rules = "format: 1\nkind: quadruped-terrain\nclasses: unstructured-8\npolygons: terrain.json\ncells: [3, 1]\n"
+    (tmp_path / "mission.yaml").write_text(rules + "origin_m: [0.7, 0.2]\ncell_m: 0.4\n")
+    capsys.readouterr()
+    run("skills", "terrain", str(tmp_path / "mission.yaml"), "--plot", str(picture), "--json")
+    found = said(capsys)
+    assert terrain.exists()
+    assert picture.read_bytes()[:4] == PNG
+    measures = {one["measure"] for obstacle in found["obstacles"] for one in obstacle["why"]}
+    assert "spread_m" in measures
+    assert all(obstacle["text"] for obstacle in found["obstacles"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["missing.json"], "missing.json: cannot be read"),
+        (["t.json", "--classes", "moon"], "there is no set of classes 'moon'"),
+        (["t.json", "--start", "here"], "--start: 'here' is no place"),
+        (["t.json", "--start", "90,90"], "--start: lies beside the ground"),
+    ],
+)
+def test_bad_input_gets_a_sentence(
+    arguments: list[str],
+    sentence: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    document = {"kind": "terrain", "format": 1, "polygons": [{"vertices_m": square, "friction": 0.6}]}
+    Path("t.json").write_text(json.dumps(document))
+    assert run("terrain", "lay", *arguments) == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_terrain_that_was_not_laid_is_not_verified(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "terrain.yaml"
+    assert run("skills", "terrain", "unstructured-4", "-o", str(path)) == 0
+    capsys.readouterr()
+    assert run("verify", str(path)) == 2
+    assert "was not laid over a scan" in capsys.readouterr().err
