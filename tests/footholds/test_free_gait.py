@@ -18,19 +18,22 @@ from hypothesis import strategies as st
 
 from surefoot.errors import BackendMissing, InputError, SurefootError
 from surefoot.footholds import FreeGait, read_problem, solve, solve_with_gaits, write_plan
-from surefoot.footholds.ascent import Ascent, even_prices
+from surefoot.footholds.ascent import even_prices, repriced
+from surefoot.footholds.bounding import Bounding
 from surefoot.footholds.cells import cell_count, fixed, gait_of, obeys
 from surefoot.footholds.decide import decided_exactly
 from surefoot.footholds.dual import Pricing
-from surefoot.footholds.flips import neighbours
 from surefoot.footholds.free_families import FREE_FAMILIES, free_problem_of
 from surefoot.footholds.free_form import free_form, reach_boxes
 from surefoot.footholds.gaits import contact_table, gait_text, read_gait
-from surefoot.footholds.sharing import Prices
+from surefoot.footholds.moves import proposal
+from surefoot.footholds.sharing import Prices, contact_prices, left_over, savings
 from surefoot.footholds.skeleton import skeleton
+from surefoot.footholds.solve import Solution
 from surefoot.footholds.solvers import HighsSolver, run_highs, solver_of
 from surefoot.footholds.templates import first_templates, templates
 from surefoot.footholds.terrain import polygon
+from surefoot.footholds.tube import reachable, tube_below
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds import check_footholds
 from surefoot.verify.footholds_grid import grid_of
@@ -73,14 +76,17 @@ def test_a_gait_survives_its_text(tmp_path_factory: pytest.TempPathFactory, cell
 
 
 @pytest.mark.parametrize("dwell", [1, 2, 3])
-def test_templates_and_neighbours_are_different_and_obey(dwell: int) -> None:
+def test_templates_and_changes_are_different_and_obey(dwell: int) -> None:
     found = [cells for _, cells in templates(12, dwell)]
     assert len({cells.tobytes() for cells in found}) == len(found) > 50
     assert all(obeys(cells, dwell) for cells in found)
     assert all(obeys(cells, dwell) for _, cells in first_templates(12, dwell))
-    near = list(neighbours(found[-1], dwell))
-    assert near
-    assert all(obeys(cells, dwell) for cells in near)
+    chance, near = np.random.default_rng(0), found[-1]
+    for _ in range(200):
+        changed = proposal(near, dwell, chance)
+        assert changed is None or (obeys(changed, dwell) and not np.array_equal(changed, near))
+        near = near if changed is None else changed
+    assert not np.array_equal(near, found[-1])
 
 
 def test_reads_a_free_gait(tmp_path: Path) -> None:
@@ -174,6 +180,7 @@ def _with_bound(document: dict[str, Any], factor: float) -> None:
         (lambda file: _with_bound(file, 1.03), "the multipliers give"),
         (lambda file: file["free"]["bound"].update(pull=[[0.0, 0.0, 0.0]] * 40), "the multipliers give"),
         (lambda file: file["free"]["bound"]["reach"].append([20, 0, 2, 0, 9e4]), "the multipliers give"),
+        (lambda file: file["free"]["bound"].update(contact=[0.0] * 10), "the multipliers give"),
         (lambda file: file["free"].update(bound=None), "has no multipliers"),
         (lambda file: file["answer"].update(gap=0.01), "is 0."),
     ],
@@ -185,6 +192,52 @@ def test_the_checker_refuses_doctored_bounds(
     doctor(document)
     (tmp_path / "broken.json").write_text(json.dumps(document))
     assert any(says in finding.message for finding in checked(tmp_path / "broken.json").kept)
+
+
+@pytest.fixture(scope="module")
+def confined(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a plan whose bound holds for a base within a tube, which other prices prove."""
+    problem = leap()
+    solution = solve(problem)
+    assert solution.free is not None
+    assert solution.objective is not None
+    bounding = Bounding(problem)
+    for _ in range(3):
+        bounding.climb(solution.objective, lambda: False)
+    proof = bounding.proof
+    assert proof.first is not None
+    assert proof.worth == solution.objective
+    path = tmp_path_factory.mktemp("confined") / "plan.json"
+    gap = (solution.objective - proof.bound) / solution.objective
+    write_plan(path, problem, replace(solution, bound=proof.bound, gap=gap, free=replace(solution.free, proof=proof)))
+    return path
+
+
+def test_the_checker_derives_the_bound_within_a_tube(confined: Path) -> None:
+    ledger = checked(confined)
+    assert not ledger.kept
+    claimed = json.loads(confined.read_text())["answer"]["bound"]
+    assert claimed * (1 - 1e-6) <= ledger.counts["bound"] < 1.02 * claimed
+
+
+@pytest.mark.parametrize(
+    "doctor",
+    [
+        lambda bound: bound["tube"].update(worth=0.5 * bound["tube"]["worth"]),
+        lambda bound: bound.update(contact=[4 * one for one in bound["contact"]]),
+        lambda bound: bound.update(split=0.0),
+        lambda bound: (
+            bound["tube"].update(pull=[[0.0, 0.0, 0.0]] * 40, worth=1e9) or bound.update(pull=[[0.0] * 3] * 40)
+        ),
+    ],
+)
+def test_the_checker_refuses_doctored_tubes(
+    confined: Path, tmp_path: Path, doctor: Callable[[dict[str, Any]], None]
+) -> None:
+    document = json.loads(confined.read_text())
+    doctor(document["free"]["bound"])
+    (tmp_path / "broken.json").write_text(json.dumps(document))
+    assert any("the multipliers give" in finding.message for finding in checked(tmp_path / "broken.json").kept)
 
 
 @given(
@@ -257,21 +310,55 @@ def every_table(cells: int) -> list[np.ndarray]:
     return found
 
 
-def test_no_gait_of_an_enumeration_beats_the_bound() -> None:
+@pytest.fixture(scope="module")
+def cheapest_plan() -> Solution:
+    """Return the cheapest plan of an enumeration of gaits."""
+    found = [solve(fixed(tiny(0.25), table), certify=False, why=False) for table in every_table(5)]
+    return min(found, key=lambda one: np.inf if one.objective is None else one.objective)
+
+
+@pytest.mark.parametrize("slack", [1.0001, 1.3, 3.0])
+def test_no_gait_of_an_enumeration_beats_the_bound(cheapest_plan: Solution, slack: float) -> None:
+    """Neither with prices alone, nor within the tube of all plans that cost less than some worth."""
+    assert cheapest_plan.objective is not None
+    bounding = Bounding(tiny(0.25))
+    for _ in range(4):
+        bounding.climb(slack * cheapest_plan.objective, lambda: False)
+        assert bounding.proof.bound <= cheapest_plan.objective
+    assert bounding.proof.first is not None
+    assert bounding.proof.bound > 0.5 * cheapest_plan.objective
+
+
+def test_the_tube_holds_the_cheapest_plan(cheapest_plan: Solution) -> None:
+    problem, plan = tiny(0.25), cheapest_plan.plan
+    assert plan is not None
+    assert cheapest_plan.objective is not None
+    pricing = Pricing(problem, 24)
+    for split in (0.0, 0.7):
+        prices = repriced(pricing, even_prices(problem), split)
+        priced = pricing.at(prices)
+        inverse = pricing.base_hessian(split)[1]
+        tube = tube_below(problem, inverse, priced.base_m, cheapest_plan.objective - priced.bound)
+        assert (plan.base_m >= tube.low_m - 1e-9).all()
+        assert (plan.base_m <= tube.high_m + 1e-9).all()
+        for foot in range(4):
+            here = plan.feet_m[:, foot]
+            standing = plan.forces_n[:, foot].any(axis=1)
+            kept = np.array([reachable(problem, tube, foot, p[None], p[None])[:, 0] for p in here])
+            cells = np.arange(problem.samples) // 2
+            assert kept[np.arange(problem.samples), cells][standing].all()
+
+
+@given(st.floats(0, 4), st.floats(0, 0.95))
+def test_contact_prices_make_a_number_of_feet_best(held: float, split: float) -> None:
     problem = tiny(0.25)
-    pricing, rough = Pricing(problem, 24), Pricing(problem, 12, points=True)
-    ascent = Ascent(rough, even_prices(problem))
-    for _ in range(80):
-        ascent.step(15_000.0)
-    bound = max(pricing.at(even_prices(problem)).bound, pricing.at(ascent.prices).bound)
-    costs = []
-    for table in every_table(5)[::3]:
-        solution = solve(fixed(problem, table), certify=False, why=False)
-        if solution.objective is not None:
-            costs.append(solution.objective)
-    assert costs
-    assert bound <= min(costs)
-    assert bound > 0.35 * min(costs)
+    saved = savings(problem, replace(even_prices(problem), split=split))
+    contact = contact_prices(saved, np.full(5, held))
+    least, _ = left_over(saved, contact)
+    low, high = int(np.floor(held)), int(np.ceil(held))
+    assert least <= (contact[:, None] * np.arange(5) - saved).min(axis=1).sum() + 1e-9
+    assert least == pytest.approx((contact * low - saved[:, low]).sum())
+    assert least == pytest.approx((contact * high - saved[:, high]).sum())
 
 
 @settings(max_examples=15, deadline=None)

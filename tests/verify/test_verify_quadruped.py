@@ -235,6 +235,12 @@ def test_what_a_library_says_about_its_terrain_is_checked(run: Path, key: str, v
         assert "skills, terrain" in {finding.rule for finding in verify_path(path).findings}
 
 
+def test_strategies_are_not_said_to_be_from_the_library_in_vain(run: Path) -> None:
+    sources = [one["source"] for one in records(run, "request")]
+    doctored(run, "request", sources.index("synthesis"), lambda one: one.update(source="library"))
+    assert rules(run) == {"quadruped, request"}
+
+
 def test_a_request_for_an_obstacle_is_refused(run: Path) -> None:
     doctored(run, "request", -1, lambda one: one.update(request=[9, 9]))
     assert "quadruped, request" in rules(run)

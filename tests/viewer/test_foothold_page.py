@@ -39,7 +39,7 @@ def document(plan: Path) -> dict[str, Any]:
 @pytest.fixture(scope="module")
 def opened(plan: Path) -> Iterator[Opened]:
     page = plan.with_suffix(".html")
-    assert main(["view", str(plan), "--html", str(page)]) == 0
+    assert main(["view", str(plan), "--html", str(page), "--body", "simple"]) == 0
     with browser() as one:
         one.open(page.as_uri(), "/robot/trunk")
         one.page.keyboard.press("Space")
@@ -100,7 +100,7 @@ def test_a_run_of_a_quadruped_is_its_segments(run_folder: Path, document: dict[s
     assert motion.feet_m[samples + SAMPLE].tolist() == document["motion"]["feet_m"][SAMPLE]
     assert len(motion.polygons_m) == len(document["values"]["polygons"])
     assert motion.words[0] == "segment 0: forward flat->flat"
-    assert motion.words[-1] == "segment 1: forward flat->flat (before it: push_m [-0.6, 0.0])"
+    assert motion.words[-1] == "segment 1: forward flat->flat (before it: pushed by 0.60 m)"
     for option, name in (("--html", "run.html"), ("--mcap", "run.mcap")):
         assert main(["view", str(run_folder), option, str(run_folder / name)]) == 0
         assert (run_folder / name).stat().st_size > 10_000
@@ -112,6 +112,7 @@ def test_a_run_of_a_quadruped_is_its_segments(run_folder: Path, document: dict[s
         ('"format": 1', '"format": 2', "run.jsonl:1: kind: is no log of a quadruped's run of format 1"),
         ("segment.json", "other.json", "run.jsonl:2: the plan other.json is missing or was changed"),
         ("segment", "nothing", "holds no segment"),
+        ('"push_m"', '"push"', "run.jsonl:3: lacks 'hole_m', or holds another type there"),
     ],
 )
 def test_bad_runs_of_quadrupeds_are_one_sentence(
@@ -131,6 +132,34 @@ def test_a_plan_without_a_motion_is_refused(
     (tmp_path / "none.json").write_text(json.dumps({**document, "motion": None}))
     assert main(["view", str(tmp_path / "none.json"), "--html", str(tmp_path / "p.html")]) == 2
     assert "holds no motion" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "complaint"),
+    [
+        (("motion", "feet_m"), [[[0.0] * 3] * 4], "feet_m needs finite numbers of shape"),
+        (("motion", "base_m"), [], "needs finite numbers"),
+        (("motion", "rpy_rad"), [["x"] * 3], "could not convert"),
+        (("values", "robot"), {}, "foot_reference_m"),
+        (("values", "polygons"), 3, "not iterable"),
+    ],
+)
+def test_a_plan_with_a_broken_motion_is_one_sentence(
+    path: tuple[str, str],
+    value: Any,
+    complaint: str,
+    document: dict[str, Any],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    block, key = path
+    broken = {**document, block: {**document[block], key: value}}
+    (tmp_path / "b.json").write_text(json.dumps(broken))
+    assert main(["view", str(tmp_path / "b.json"), "--html", str(tmp_path / "p.html")]) == 2
+    said = capsys.readouterr().err
+    assert "b.json" in said
+    assert complaint in said
+    assert said.count("\n") == 1
 
 
 def test_legs_reach_from_hips_to_feet() -> None:

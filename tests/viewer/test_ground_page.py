@@ -130,7 +130,9 @@ def test_the_recording_has_the_ground_of_every_phase(run_folder: Path) -> None:
     assert [[(round(place.x, 6), round(place.y, 6)) for place in some] for some in places] == [[], *[[(1.8, 1.2)]] * 2]
     words = [message.data for _, message in recorded["/skill"]]
     assert words[0] == "segment 0: forward flat->flat"
-    assert words[1].startswith("segment 1: turn-left flat (before it: ")
+    obstacle, hole = words[1].partition("(before it: ")[2].removesuffix(")").split("; ")
+    assert obstacle == "an obstacle appeared, x 1.7 to 1.9 m, y 1 to 1.4 m"
+    assert hole == "a hole appeared, x 2.6 to 3 m, y 1 to 1.4 m"
     assert [time_s for time_s, _ in recorded["/way_point"]] == pytest.approx([1.0, SECOND_S])
     assert recorded["/goals"][0][1].markers[0].pose.position.x == pytest.approx(2.8)
 

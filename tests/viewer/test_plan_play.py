@@ -140,3 +140,12 @@ def test_a_step_that_nothing_pushed_shows_what_comes_next(tutorial_plan: Path, s
         columns = (np.asarray(image.convert("L")) < 250).mean(axis=0)
     thirds = [part.mean() for part in np.array_split(columns, 3)]
     assert min(thirds) > 0.008
+
+
+def test_a_plan_that_was_drawn_can_be_replaced(scenes: Path, tmp_path: Path) -> None:
+    from surefoot.missions.planning import plan_mission
+
+    plan_mission(scenes / "tutorial_mission.yaml", tmp_path / "plan")
+    assert (tmp_path / "plan" / "play.png") in view_plan(tmp_path / "plan")
+    plan_mission(scenes / "tutorial_mission.yaml", tmp_path / "plan")
+    assert not list((tmp_path / "plan").glob("*.png"))

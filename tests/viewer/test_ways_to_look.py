@@ -77,6 +77,8 @@ def test_what_a_kind_does_not_have_is_refused_and_what_it_has_is_named(
         (["--html", "p.html", "-o", "pictures"], "-o names a folder for pictures"),
         (["--follow", "-o", "pictures"], "-o names a folder for pictures"),
         (["--port", "8123"], "--port belongs to --follow"),
+        (["--html", "."], "is a folder; name a file"),
+        (["--mcap", "."], "is a folder; name a file"),
         (["--heading", "north"], "--heading and --goal belong to --cell"),
         (["--cell", "1"], "is no cell"),
         (["--step", "99999"], "has no step 99999; the steps that were walked are 0 to"),

@@ -129,8 +129,12 @@ def _one_way(*, follow: bool, page: bool, step: bool, cell: bool) -> None:
 
 def _write(path: Path, html: Path | None, body: BodyChoice | None, mcap: Path | None, *, as_json: bool) -> None:
     """Write a page, a recording, or both; what had to be drawn otherwise than it was planned is said."""
+    from surefoot.compute import check_writable
     from surefoot.viewer import view_bag, view_page
 
+    for file in (html, mcap):
+        if file is not None:
+            check_writable(file)
     written: dict[str, object] = {}
     remarks: list[str] = []
     if html is not None:

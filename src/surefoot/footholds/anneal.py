@@ -167,6 +167,8 @@ class Annealing:
         """Return the plan of a contact table with given polygons, or None when it costs as much as ``worth``."""
         at = fixed(self.problem, cells)
         self.programs += 1
+        if at.options.collision:
+            return self._searched(at, cells, worth)
         program: ReducedProgram | WholeProgram
         if at.options.moment_balance:
             program = WholeProgram(at)
@@ -180,16 +182,24 @@ class Annealing:
             return None
         return Trial(cells, choice, node.answer.value, node.feet)
 
+    def _searched(self, at: Problem, cells: Cells, worth: float) -> Trial | None:
+        """Return the plan of a contact table whose polygons and free regions are searched: windows are too many."""
+        value, choice, node = cheapest(at, cancelled=self.stop, worth=worth, parts=self.parts)
+        return None if choice is None or node is None or value >= worth else Trial(cells, choice, value, node.feet)
+
     def _changed(self, here: Trial) -> tuple[Cells, Choice] | None:
         """Return another contact table, or another polygon for one footstep."""
-        if self.chance.random() < _POLYGON_SHARE:
+        collision = self.problem.options.collision
+        if self.chance.random() < _POLYGON_SHARE and not collision:
             moved = self._stepped_elsewhere(here)
             if moved is not None:
                 return here.cells, moved
         cells = proposal(here.cells, self.problem.options.min_dwell_cells, self.chance)
         if cells is not None and self.chance.random() < _AGAIN:
             cells = proposal(cells, self.problem.options.min_dwell_cells, self.chance)
-        return None if cells is None else (cells, polygons_for(self.problem, here, cells))
+        if cells is None:
+            return None
+        return cells, () if collision else polygons_for(self.problem, here, cells)
 
     def _stepped_elsewhere(self, here: Trial) -> Choice | None:
         """Return the choice with one footstep on another polygon nearby."""

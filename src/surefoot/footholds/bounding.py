@@ -14,8 +14,9 @@ from surefoot.footholds.problem import Problem
 from surefoot.footholds.sharing import Prices
 from surefoot.footholds.tube import tube_below
 
-_BOXES = 32
-_ROUND, _FIRST_ROUNDS = 30, 5
+_GUIDE_BOXES, _BOXES = 32, 48
+_ROUND, _LEAST_ROUND = 30_000, 60
+_FIRST_STEPS = 150
 _SPLIT = 0.7
 _MARGIN = 4e-3
 _CHEAPER = 0.995
@@ -43,14 +44,13 @@ class Bounding:
 
     Args:
         problem: its gait is free.
-        guide: evaluates prices quickly; its tube is changed as it becomes known.
     """
 
-    def __init__(self, problem: Problem, guide: Pricing) -> None:
-        self.problem, self.guide = problem, guide
+    def __init__(self, problem: Problem) -> None:
+        self.problem, self.guide = problem, Pricing(problem, _GUIDE_BOXES, points=True)
         self.free, self.confined = Pricing(problem, _BOXES), Pricing(problem, _BOXES)
-        self.ascent = Ascent(guide, even_prices(problem))
-        self.rounds = 0
+        self.ascent = Ascent(self.guide, even_prices(problem))
+        self.round, self.begun = max(_ROUND // self.guide.count**2, _LEAST_ROUND), False
         self.first: tuple[Prices, Priced] | None = None
         self.worth = np.inf
         self.proof = self._proved(even_prices(problem))
@@ -58,7 +58,7 @@ class Bounding:
     @property
     def stuck(self) -> bool:
         """Whether more rounds would not help."""
-        return self.rounds > _FIRST_ROUNDS and self.ascent.stuck
+        return self.first is not None and self.ascent.stuck
 
     def climb(self, worth: float, stop: Callable[[], bool]) -> list[Cells]:
         """Go on for a round; return the contact tables that its prices suggest.
@@ -68,10 +68,10 @@ class Bounding:
             stop: asked now and then.
         """
         suggested: list[Cells] = []
-        self.rounds += 1
-        if self.rounds > _FIRST_ROUNDS and worth < _CHEAPER * self.worth:
+        if self.begun and worth < _CHEAPER * self.worth:
             self._confine(worth)
-        for _ in range(_ROUND):
+        steps, self.begun = self.round if self.begun else max(self.round, _FIRST_STEPS), True
+        for _ in range(steps):
             if stop():
                 return suggested
             suggested.append(self.ascent.step(worth).cells)

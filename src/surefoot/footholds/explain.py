@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from surefoot.footholds.form import StandardForm, collision_implications, region_implications
 from surefoot.footholds.model import (
@@ -120,7 +121,9 @@ def _positions(problem: Problem, time_limit_s: float) -> tuple[Choice, list[Lack
     rows = _used(build.rows())
     weights = np.zeros(size)
     weights[first_slack:] = 1.0
-    status, unknowns = run_highs(_linear(rows, np.arange(motion.size, first_slack)), weights, time_limit_s, gap=1e-3)
+    status, unknowns = run_highs(
+        linear_form(rows, np.arange(motion.size, first_slack)), weights, time_limit_s, gap=1e-3
+    )
     if not status or unknowns is None:
         return None
     picks = [int(unknowns[chosen.index[step]].argmax()) for step in range(steps)]
@@ -153,7 +156,7 @@ def _forces(problem: Problem, choice: Choice, time_limit_s: float) -> list[Lack]
     weights = np.zeros(size)
     weights[motion.size :] = [_WEIGHTS[FAMILIES[family]] for family in groups[:, 0]]
     none = np.zeros(0, dtype=np.int64)
-    status, unknowns = run_highs(_linear(_used(build.rows()), none), weights, time_limit_s)
+    status, unknowns = run_highs(linear_form(_used(build.rows()), none), weights, time_limit_s)
     if not status or unknowns is None:
         return None
     lacks = _lacks(problem, groups, unknowns[motion.size :])
@@ -171,9 +174,8 @@ def _used(rows: Rows) -> Rows:
     return rows.pick(np.diff(rows.matrix.indptr) > 0)
 
 
-def _linear(rows: Rows, binaries: Index) -> StandardForm:
-    import scipy.sparse as sp
-
+def linear_form(rows: Rows, binaries: Index) -> StandardForm:
+    """Return a form without a cost."""
     size = rows.matrix.shape[1]
     return StandardForm(Cost(sp.csc_matrix((size, size)), np.zeros(size), 0.0, np.zeros(size)), rows, binaries)
 

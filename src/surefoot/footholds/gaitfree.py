@@ -19,6 +19,7 @@ from surefoot.footholds.bounding import Bounding
 from surefoot.footholds.cells import Cells, cell_count, fixed, gait_of
 from surefoot.footholds.decide import Decided, decided_exactly, decided_quickly
 from surefoot.footholds.dual import Pricing
+from surefoot.footholds.explain_free import explain_free
 from surefoot.footholds.model import Choice
 from surefoot.footholds.orientation import turning
 from surefoot.footholds.pool import FIRST, GUESSED, LAST, LATER, Pool
@@ -36,8 +37,8 @@ _CHANGES_PER_ROUND = 250
 _TRIES_BEFORE_DOUBT = 13
 _TRIES_BEFORE_EXACT = 160
 _SURE = 1.02
-_MOST_IDLE = 2000
-_LAST_S = 1.0
+_MOST_IDLE = 500
+_LAST_S, _EVER_S = 2.0, 1e4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,11 +58,18 @@ class Found:
     origin: str
 
 
-def solve_free(problem: Problem, *, cancelled: Callable[[], bool] = lambda: False, certify: bool = True) -> Solution:
+def solve_free(
+    problem: Problem, *, cancelled: Callable[[], bool] = lambda: False, certify: bool = True, why: bool = True
+) -> Solution:
     """Find a gait, footholds, forces and base motion, with a bound over all gaits, or prove that there are none."""
     load_backends()
     Pricing(problem, 1, points=True).at(even_prices(problem))
-    return _Search(problem, cancelled).run(certify)
+    solution = _Search(problem, cancelled).run(certify)
+    if not why or solution.verdict != "infeasible":
+        return solution
+    begin = time.perf_counter()
+    explanation = explain_free(problem)
+    return replace(solution, explanation=explanation, explain_ms=(time.perf_counter() - begin) * 1e3)
 
 
 class _Search:
@@ -127,7 +135,7 @@ class _Search:
             self.offer(decided.cells, "exact program")
         if self.found is None:
             return self.negative(Decided((), None, "no gait that was tried is feasible"))
-        self.improve(guide)
+        self.improve()
         return self.positive()
 
     def try_next(self) -> bool:
@@ -163,21 +171,21 @@ class _Search:
         self.found = Found(cells, choice, value, origin)
         return prices
 
-    def improve(self, guide: Pricing) -> None:
+    def improve(self) -> None:
         """Lower the cost and raise the bound by turns."""
         assert self.found is not None
-        self.bounding = Bounding(self.problem, guide)
+        self.bounding = Bounding(self.problem)
         starts = first_templates(cell_count(self.problem), self.problem.options.min_dwell_cells)
         annealing = Annealing(self.problem, self.parts, starts, self.stop)
         while self.pool.has(FIRST) and not self.stop() and not self.close and self.try_next():
             annealing.offer(self.found.cells, self.found.choice, self.found.value)
         while not self.stop() and not self.close and annealing.idle < _MOST_IDLE:
+            if not self.bounding.stuck:
+                self.climb(self.bounding)
             for _ in range(_TRIES_PER_ROUND):
                 if self.stop() or self.close or not self.try_next():
                     break
             self.anneal(annealing)
-            if not self.bounding.stuck:
-                self.climb(self.bounding)
 
     def anneal(self, annealing: Annealing) -> None:
         """Change the best plan at random for a while."""
@@ -202,7 +210,11 @@ class _Search:
         """Return the best plan, solved once more to the end with its gait."""
         assert self.found is not None
         at = self.fixed(self.found.cells)
-        best = solve(at, guesses=(self.found.choice,), certify=False, why=False)
+        for limit_s in (_LAST_S, _EVER_S):
+            limited = replace(at, options=replace(at.options, time_limit_s=limit_s))
+            best = solve(limited, guesses=(self.found.choice,), certify=False, why=False)
+            if best.objective is not None:
+                break
         assert best.objective is not None
         turned = None if self.problem.options.moment_balance else turning(self.problem)
         bound = min(self.bound + (0.0 if turned is None else turned.bound), best.objective)

@@ -239,9 +239,7 @@ def friction_rows(build: RowBuilder, problem: Problem, motion: Motion, choice: C
             stance_rows(build, problem, motion, foot, support, cone)
 
 
-def stance_rows(
-    build: RowBuilder, problem: Problem, motion: Motion, foot: int, support: int, cone: np.ndarray
-) -> None:
+def stance_rows(build: RowBuilder, problem: Problem, motion: Motion, foot: int, support: int, cone: np.ndarray) -> None:
     """Keep the forces of one stance in the cone of the polygons that are left to it."""
     assert motion.force is not None
     samples = np.flatnonzero(problem.support_index[:, foot] == support)

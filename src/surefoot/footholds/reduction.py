@@ -24,7 +24,7 @@ def reduced_motion(problem: Problem, *, forces: bool) -> Motion:
     for foot in range(4):
         legs.append(_leg(problem, foot, count, forces=forces))
         count += leg_size(problem, foot, forces=forces)
-    feet, force = (Quantity(*(np.stack(part, axis=1) for part in zip(*both, strict=True))) for both in zip(*legs))
+    feet, force = (_stacked([leg[part] for leg in legs]) for part in (0, 1))
     return Motion(
         size=count,
         base=base,
@@ -33,6 +33,10 @@ def reduced_motion(problem: Problem, *, forces: bool) -> Motion:
         feet_acceleration=differences(feet, problem.step_s),
         force=force if forces else None,
     )
+
+
+def _stacked(legs: list[tuple[Index, Array]]) -> Quantity:
+    return Quantity(np.stack([index for index, _ in legs], axis=1), np.stack([value for _, value in legs], axis=1))
 
 
 def base_motion(problem: Problem) -> tuple[Quantity, tuple[Term, ...], int]:

@@ -85,7 +85,7 @@ class FreeAnswer:
 
     Attributes:
         gait: that was found; None without a plan.
-        origin: what proposed it: the name of a template, ``flips``, ``prices``, or ``exact program``.
+        origin: what proposed it: the name of a template, ``annealing``, ``prices``, or ``exact program``.
         templates_tried: how many contact tables were tried.
         first_feasible_s: until the first verified plan; None without one.
         first_objective: of that plan.
@@ -126,7 +126,7 @@ def solve(
     if isinstance(problem.gait, FreeGait):
         from surefoot.footholds.gaitfree import solve_free
 
-        return solve_free(problem, cancelled=cancelled, certify=certify)
+        return solve_free(problem, cancelled=cancelled, certify=certify, why=why)
     return _Solving(problem, cancelled, guesses, worth).run(certify, why)
 
 

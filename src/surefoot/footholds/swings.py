@@ -18,6 +18,7 @@ from surefoot.footholds.problem import Problem
 from surefoot.footholds.rows import Array
 
 _SWEEPS = 40
+_LONG = 32
 _SWEPT_M = 1e-5
 
 
@@ -160,11 +161,14 @@ def _eliminated(one: Swing, linear: Array) -> tuple[Array, Array]:
 
 
 def _clearance(one: Swing, linear: Array, levels_m: Array, clearance_m: float) -> Array:
-    """Return clearance multipliers of swings between all pairs of levels, shape (4, K, K, swings, n)."""
+    """Return clearance multipliers of swings between all pairs of levels, shape (4, K, K, swings, n).
+
+    Swings that last long do without: to lift a foot slowly costs next to nothing, but many sweeps.
+    """
     size, kinds = linear.shape[-1], len(levels_m)
     found = np.zeros((4, kinds, kinds, *linear.shape[1:]))
     middle = np.arange(size // 4, min(size - size // 4, size - 1))
-    if clearance_m > 0 and len(middle):
+    if clearance_m > 0 and len(middle) and size <= _LONG:
         pairs = np.stack(np.meshgrid(levels_m, levels_m, indexing="ij"), axis=-1)
         rest = -(linear[..., :-1] @ one.inverse)[..., middle]
         free = (pairs @ one.gain[:, middle])[None, :, :, None] + rest[:, None, None]

@@ -1,4 +1,4 @@
-"""Contact templates: trots, paces, bounds, leaps, pronks and walks over a given number of cells, best guesses first."""
+"""Contact templates over some cells, best guesses first: standing, trots, paces, bounds, leaps, pronks and walks."""
 
 from __future__ import annotations
 
@@ -42,7 +42,9 @@ def templates(count: int, min_dwell_cells: int) -> Iterator[tuple[str, Cells]]:
 
 def first_templates(count: int, min_dwell_cells: int) -> Iterator[tuple[str, Cells]]:
     """Yield a coarse selection over all families: swings of a third and half of a period, by turns and overlapping."""
-    inner, seen = count - 2, set()
+    inner, stand = count - 2, np.ones((count, 4), dtype=bool)
+    seen = {stand.tobytes()}
+    yield "stand", stand
     for cycles in (2, 1, 3):
         period = inner // cycles
         swings = sorted({max(period // 2, 1), max(period // 3, 1), min(_USUAL_CELLS, period)}) if period else []
@@ -57,6 +59,7 @@ def first_templates(count: int, min_dwell_cells: int) -> Iterator[tuple[str, Cel
 
 def _all(count: int) -> Iterator[tuple[str, Cells]]:
     inner = count - 2
+    yield "stand", np.ones((count, 4), dtype=bool)
     for cycles in range(1, min(_MOST_CYCLES, inner) + 1):
         period = inner // cycles
         for swing, shift in product(range(1, period + 1), range(period)):

@@ -44,7 +44,7 @@ SLOW_WALK = Gait(
     (*_WALK.modes[:-1], *_WALK.modes),
     (*_WALK.switching_times_s[:-1], *(round(_WALK.switching_times_s[-2] + t, 3) for t in _WALK.switching_times_s[1:])),
 )
-"""The walk, twice: 0.45 m with one step of each foot are out of reach (Table II), on whole ground too."""
+"""The walk, twice: with one step of each foot for every 0.45 m the base would go 0.15 m in each swing (Table II)."""
 _MAT_CELL_M, _MAT_CELLS, _MAT_BARS, _MAT_SPACING_M = 0.45, (6, 3), 6, (0.1, 0.3)
 
 

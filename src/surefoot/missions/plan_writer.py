@@ -31,7 +31,8 @@ from surefoot.navigation import (
 from surefoot.robots import Biped
 from surefoot.world import Profile
 
-PLAN_FILES = frozenset({"plan.json", "navigation.npz", "action.npz", "plan.png"})
+DRAWN = ("plan.png", "play.png")
+PLAN_FILES = frozenset({"plan.json", "navigation.npz", "action.npz", *DRAWN})
 """What a plan folder holds; a folder with anything else is not replaced."""
 
 
@@ -171,7 +172,8 @@ def replaced_plan_folder(out: Path) -> Iterator[Path]:
     try:
         yield folder
         place.mkdir(exist_ok=True)
-        (place / "plan.png").unlink(missing_ok=True)
+        for picture in DRAWN:
+            (place / picture).unlink(missing_ok=True)
         for path in sorted(folder.iterdir(), key=lambda path: path.name == "plan.json"):
             path.replace(place / path.name)
     finally:

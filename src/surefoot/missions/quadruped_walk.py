@@ -90,7 +90,9 @@ class QuadrupedWalk:
 
     def run(self) -> str:
         """Walk; return why the mission ended, empty if the goal was reached."""
-        self._prepare()
+        if self.stance.cell != self.goal:
+            self._happen()
+            self._prepare()
         while self.stance.cell != self.goal:
             if len(self.segments) >= self.most_segments:
                 return f"the limit of {self.most_segments} segments was reached"

@@ -13,7 +13,7 @@ from typing import IO, Any
 
 from surefoot.errors import InputError
 
-DRAWN = frozenset({"map.png", "belief.png", "phase_space.png", "keyframes.png"})
+DRAWN = frozenset({"map.png", "belief.png", "phase_space.png", "keyframes.png", "timeline.png"})
 """Pictures that `surefoot view` puts beside a log."""
 _OWN = re.compile(r"replan_[0-9]+\.npz|step_[0-9]+\.png")
 

@@ -1,4 +1,4 @@
-"""One short file of numbers per robot."""
+"""One short file of numbers per robot, and the joints of a quadruped's legs."""
 
 from __future__ import annotations
 

@@ -78,6 +78,7 @@ def _check_free(plan: FootholdFile, free: dict[str, Any], ledger: Ledger) -> Non
     problem = cells_problem(plan)
     if problem:
         ledger.refuse("footholds, gait", problem, "values.gait")
+        return
     if not math.isclose(len(plan.contacts) * plan.number("step_s"), float(free["horizon_s"]), abs_tol=_CLOSE):
         ledger.refuse("footholds, gait", "does not last as long as the problem says", "values.gait")
     _check_gait_bound(plan, free.get("bound"), ledger)

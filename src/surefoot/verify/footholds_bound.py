@@ -17,9 +17,9 @@ from surefoot.verify.footholds_grid import Grid, grid_of
 from surefoot.verify.footholds_rows import nominal, references, surfaces
 from surefoot.verify.footholds_steps import Steps, cheapest
 
-_SPACINGS_M = (0.08, 0.055, 0.04)
-_MOST_WORK = 6e8
-_ENOUGH, _FAR = 1e-7, 0.01
+_SPACINGS_M = (0.08, 0.055, 0.04, 0.028)
+_MOST_WORK = 2e9
+_ENOUGH, _FAR = 1e-7, 0.05
 _FEET = np.arange(5)
 
 
@@ -44,8 +44,10 @@ def gait_bound(plan: FootholdFile, kept: Any, claimed: float) -> float:
 
 
 class _Prices:
-    """Multipliers: on Eq. (16), shape (N, 4, 3) in the axes of the base; y on the force, shape (N, 3); on contact by
-    cell, shape (M,); and the share of the base's acceleration that is paid with the force.
+    """Multipliers.
+
+    On Eq. (16), shape (N, 4, 3) in the axes of the base; y on the force, shape (N, 3); on contact by cell, shape (M,);
+    and the share of the base's acceleration that is paid with the force.
     """
 
     def __init__(self, plan: FootholdFile, kept: dict[str, Any]) -> None:

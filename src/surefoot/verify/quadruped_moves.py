@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from surefoot.compute import sha256_of
 from surefoot.verify.cell_classes import on_map
 from surefoot.verify.findings import Ledger
@@ -14,6 +16,8 @@ from surefoot.verify.values import Fields
 Labels = tuple[tuple[str, ...], ...]
 Pose = tuple[Cell, int]
 OBSTACLE = "obstacle"
+_SOURCES = ("library", "synthesis", "repair")
+_WINNING = ("realizable", "repaired")
 TURNS = {"turn-left": 1, "turn-right": -1}
 """The change of heading in quarter turns, counter-clockwise."""
 
@@ -31,6 +35,7 @@ class Automaton:
         self.run, self.ledger, self.grid = run, ledger, grid
         checks = () if run.library is None else run.library.mappings("checks")
         self.certified = {one.text("primitive") for one in checks if one.text("verdict") == "feasible"}
+        self.pairs = frozenset() if run.library is None else frozenset(_pairs(run.library))
         self.requests = 0
         self.labels: Labels = ()
         self.turned: dict[str, str] | None = None
@@ -50,10 +55,15 @@ class Automaton:
         self.labels = self._labels(record)
         if record.cell("cell") != cell or record.whole("quarter_turns") % 4 != turns % 4:
             self._refuse("request", f"is made in another place than {cell}, where the robot is", place)
+        if (
+            record.text("source", among=_SOURCES) == "library"
+            and (self.labels, record.cell("request")) not in self.pairs
+        ):
+            self._refuse("request", "is said to be from the library, which has no strategy for it", place)
         self.certify(record, place)
         self.strategy = dict(self._row(record, row) for row in record.items("strategy"))
         self.local = None
-        if record.text("outcome") in ("realizable", "repaired"):
+        if record.text("outcome") in _WINNING:
             self.local = (self.grid[0] // 2, self.grid[1] // 2), 0
             self._follow(record.cell("request"), (cell, turns), place)
         return self.labels
@@ -162,6 +172,14 @@ class Automaton:
             self._refuse("move", f"goes from {here} to {there}, which is not {way}", place)
         self.local = target
         return after_turns % 4
+
+
+def _pairs(library: Fields) -> Iterator[tuple[Labels, Cell]]:
+    """Yield the terrain states and requests that a library has strategies for."""
+    states = [tuple(tuple(map(str, row)) for row in rows) for rows in library.items("states") if isinstance(rows, list)]
+    for pair in library.mappings("pairs"):
+        if pair.text("outcome") in _WINNING:
+            yield states[pair.whole("state", least=0, most=len(states) - 1)], pair.cell("request")
 
 
 def _after(local: Pose, way: str) -> Pose:

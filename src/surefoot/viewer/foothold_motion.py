@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -71,21 +72,33 @@ def read_motion(path: Path) -> FootholdMotion:
         InputError: it cannot be read, or holds no motion.
     """
     if path.is_file():
-        return motion_of(read_foothold_plan(path))
+        return plan_motion(path)
     return _run_motion(path / "run.jsonl")
 
 
-def motion_of(document: Mapping[str, Any], begin_s: float = 0.0, word: str = "") -> FootholdMotion:
-    """Return the motion of a plan file's object (docs/formats.md, section 6).
+def plan_motion(plan: Path, begin_s: float = 0.0, word: str = "") -> FootholdMotion:
+    """Return the motion of a plan file (docs/formats.md, section 6).
 
     Args:
-        document: the object, with a motion.
+        plan: the file.
         begin_s: the moment of its first sample.
         word: what is said at every sample.
+
+    Raises:
+        InputError: it is no plan, or holds no whole motion.
     """
+    document = read_foothold_plan(plan)
+    try:
+        return _motion_of(document, begin_s, word)
+    except (KeyError, TypeError, ValueError, IndexError) as problem:
+        raise InputError(f"holds no whole motion ({problem})", source=plan, key="motion") from problem
+
+
+def _motion_of(document: Mapping[str, Any], begin_s: float, word: str) -> FootholdMotion:
     values, motion = document["values"], document["motion"]
-    names = ("base_m", "rpy_rad", "feet_m", "forces_n")
-    base_m, rpy_rad, feet_m, forces_n = (np.array(motion[name], np.float64) for name in names)
+    samples = len(motion["base_m"])
+    base_m, rpy_rad = (_array(motion, name, samples, 3) for name in ("base_m", "rpy_rad"))
+    feet_m, forces_n = (_array(motion, name, samples, 4, 3) for name in ("feet_m", "forces_n"))
     robot = values["robot"]
     ahead_m, aside_m, below_m = robot["foot_reference_m"]
     return FootholdMotion(
@@ -103,6 +116,13 @@ def motion_of(document: Mapping[str, Any], begin_s: float = 0.0, word: str = "")
         legs=legs_of(robot["name"], (ahead_m, aside_m, below_m), robot["hip_offset_m"], robot["link_m"]),
         words=(word,) * len(base_m),
     )
+
+
+def _array(motion: Mapping[str, Any], name: str, *shape: int) -> Array:
+    numbers = np.array(motion[name], np.float64)
+    if numbers.shape != shape or not numbers.size or not np.isfinite(numbers).all():
+        raise ValueError(f"{name} needs finite numbers of shape {shape}, at least one")
+    return numbers
 
 
 def joined(motions: Sequence[FootholdMotion]) -> FootholdMotion:
@@ -163,11 +183,24 @@ def read_segments(log: Path, *, growing: bool = False) -> tuple[Segment, ...]:
     found, happened = [], ""
     for line, record in records_of(log, growing=growing):
         if record.get("record") == "event":
-            happened = ", ".join(f"{name} {value}" for name, value in record["event"].items() if name.endswith("_m"))
+            happened = "; ".join([*filter(None, [happened]), _told(log, line, record)])
         if record.get("record") == "segment":
             found.append(_segment(log, line, record, happened))
             happened = ""
     return tuple(found)
+
+
+def _told(log: Path, line: int, record: Mapping[str, Any]) -> str:
+    """Say what happened to the world."""
+    try:
+        event = record["event"]
+        if "push_m" in event:
+            return f"pushed by {math.hypot(*event['push_m']):.2f} m"
+        what, area = ("an obstacle", event["obstacle_m"]) if "obstacle_m" in event else ("a hole", event["hole_m"])
+        (west, south), (east, north) = area
+        return f"{what} appeared, x {west:g} to {east:g} m, y {south:g} to {north:g} m"
+    except (KeyError, TypeError, ValueError) as problem:
+        raise InputError(f"lacks {problem}, or holds another type there", source=log, line=line) from problem
 
 
 def _segment(log: Path, line: int, record: Mapping[str, Any], happened: str) -> Segment:
@@ -188,7 +221,7 @@ def segment_motion(log: Path, segment: Segment) -> FootholdMotion:
     """
     if not segment.plan.is_file() or sha256_of(segment.plan) != segment.sha256:
         raise InputError(f"the plan {segment.plan.name} is missing or was changed", source=log, line=segment.line)
-    return motion_of(read_foothold_plan(segment.plan), segment.start_s, segment.word)
+    return plan_motion(segment.plan, segment.start_s, segment.word)
 
 
 def _run_motion(log: Path) -> FootholdMotion:

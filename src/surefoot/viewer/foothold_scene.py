@@ -126,7 +126,7 @@ class FootholdScene:
         x, y, z = (float(one) for one in (low + high) / 2)
         size = max(float(high[0] - low[0]), 1.6 * float(high[1] - low[1]), 1.2)
         return {
-            "overview": {"position": [x - 0.22 * size, y - 0.48 * size, z + 0.33 * size], "look_at": [x, y, z]},
+            "overview": {"position": [x - 0.24 * size, y - 0.53 * size, z + 0.36 * size], "look_at": [x, y, z]},
             "from above": {"position": [x, y - 0.01, z + 0.66 * size], "look_at": [x, y, z]},
             "from the side": {"position": [x, y - 0.62 * size, z + 0.06 * size], "look_at": [x, y, z]},
             "follow": {"follow": "/robot/trunk", "offset": [-0.9, -0.9, 0.5]},

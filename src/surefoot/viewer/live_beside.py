@@ -57,7 +57,7 @@ def watching(run_dir: Path, port: int | None) -> Iterator[Beside]:
     here, there = context.Pipe()
     arguments = (run_dir, free_port(port), state_of(run_dir / "run.jsonl"), there)
     process = context.Process(target=_serve, args=arguments, daemon=True)
-    process.start()
+    _start(process)
     there.close()
     try:
         yield Beside(_address(here), process)
@@ -69,6 +69,21 @@ def watching(run_dir: Path, port: int | None) -> Iterator[Beside]:
             process.join()
 
 
+def _start(process: multiprocessing.process.BaseProcess) -> None:
+    """Start a process that Ctrl-C does not end: it inherits what its parent ignores, from its first instruction on.
+
+    Only the main thread, to which Ctrl-C comes, may say what is ignored.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        process.start()
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        process.start()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def _address(pipe: Connection) -> str:
     try:
         return str(pipe.recv())
@@ -77,8 +92,7 @@ def _address(pipe: Connection) -> str:
 
 
 def _serve(run_dir: Path, port: int, ignored: State, pipe: Connection) -> None:
-    """Serve until the other end of the pipe is closed; Ctrl-C, which reaches all processes, is left to the caller."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Serve until the other end of the pipe is closed; Ctrl-C is left to the caller."""
     os.nice(_NICE)
     stop = threading.Event()
     with serving(run_dir, port, ignored) as (address, view):

@@ -44,7 +44,7 @@ class MeshBody:
     """
 
     def __init__(self, scene: Any, model: RobotModel, parts: tuple[Part, ...], walk: Walk) -> None:
-        self.model, self.walk = model, walk
+        self.model = model
         self.parents = {joint.child: joint.parent for joint in model.joints}
         self.names = {model.root: TRUNK}
         carrying = self._with_parts({part.link for part in parts}, model.root)
@@ -54,14 +54,13 @@ class MeshBody:
         self.nodes = {link: scene.add_frame(name, show_axes=False) for link, name in self.names.items()}
         for number, part in enumerate(parts):
             red, green, blue = (round(255 * one) for one in part.rgb)
-            looks: dict[str, Any] = {"color": (red, green, blue), "flat_shading": False}
-            scene.add_mesh_simple(f"{self.names[part.link]}/mesh-{number}", part.vertices_m, part.faces, **looks)
-        self.poses = self._placed()
+            name = f"{self.names[part.link]}/mesh-{number}"
+            scene.add_mesh_simple(name, part.vertices_m, part.faces, color=(red, green, blue))
+        self.poses = self._placed(walk)
 
     def grow(self, walk: Walk) -> None:
         """Take over a longer walk of the same robot."""
-        self.walk = walk
-        self.poses = self._placed()
+        self.poses = self._placed(walk)
 
     def show(self, frame: int) -> None:
         """Show a moment; only what has moved is sent."""
@@ -82,13 +81,11 @@ class MeshBody:
                 one = self.parents.get(one)
         return found
 
-    def _placed(self) -> dict[str, Pose]:
+    def _placed(self, walk: Walk) -> dict[str, Pose]:
         """Return the poses of nodes in the frames of the nodes above them."""
-        placed = {self.model.root: self.walk.base}
+        placed = {self.model.root: walk.base}
         for link in self.names:
             if link != self.model.root:
-                parent = self.walk.links.get(self.parents[link])
-                own = self.walk.links[link]
-                pose = own if parent is None else np.linalg.inv(parent) @ own
+                pose = np.linalg.inv(walk.links[self.parents[link]]) @ walk.links[link]
                 placed[link] = Pose(pose[:, :3, 3], quaternions_of(pose[:, :3, :3]))
         return placed

@@ -73,9 +73,9 @@ def contours(wide: Flags) -> tuple[Floats, Ints]:
 
 @njit(cache=True)
 def beside(wide: Flags, most: int) -> tuple[Floats, Flags]:
-    """Return the centres of the cells that touch a framed region from outside, and which have ``most`` neighbours in it.
+    """Return the centres of the cells that touch a framed region from outside, and which have many neighbours in it.
 
-    Neighbours are counted over corners too.
+    Many are at least ``most``, counted over corners too.
     """
     rows, columns = wide.shape
     found = 0
@@ -162,9 +162,6 @@ def _line(points: Floats) -> Floats:
         length = math.hypot(ux, uy)
         ux, uy = ux / length, uy / length
     depth = (chosen[:, 1] - y) * ux - (chosen[:, 0] - x) * uy
-    if count < SURE_POINTS:
-        shift = depth.max()
-    else:
-        shift = np.sort(depth)[int(0.9 * count)] - UNSURE_CELLS
+    shift = depth.max() if count < SURE_POINTS else np.sort(depth)[int(0.9 * count)] - UNSURE_CELLS
     shift = max(shift, 0.0)
     return np.array([x - shift * uy, y + shift * ux, ux, uy])

@@ -354,7 +354,10 @@ def largest_misses(
         means: of the distances, over the cells around.
         label: of the region.
         plane: of the region.
-        top, left, rows, columns: the rectangle.
+        top: first row of the rectangle.
+        left: its first column.
+        rows: how many rows it has.
+        columns: how many columns it has.
     """
     mean, single = 0.0, 0.0
     for r in range(top, top + rows):

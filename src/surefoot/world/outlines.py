@@ -20,6 +20,8 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 SIMPLIFY_CELLS = (1.0, 0.6)
+CLEAR_CELLS = 0.6
+"""Half a cell, and what making pieces convex may add."""
 FEW = 6
 TIP_CELLS = 1.45
 TIP_NEIGHBOURS = 5
@@ -28,13 +30,16 @@ THIN = 0.35
 """A region of which the margin leaves less is thin: between other things whose corners may reach into it unseen."""
 
 
-def inset_outline(mask: Flags, margin_cells: float, least_cells: float = 0.0) -> tuple[Any, float]:
+def inset_outline(
+    mask: Flags, margin_cells: float, least_cells: float = 0.0, empty: Flags | None = None
+) -> tuple[Any, float]:
     """Return the part of a region that keeps a margin from its edge.
 
     Args:
         mask: (rows, columns), the cells of one region.
         margin_cells: the margin, in cells.
         least_cells: what is smaller than this is not worth the work.
+        empty: cells without data, with two cells more around than the mask; None for none.
 
     Returns:
         A polygon or multipolygon in (column, row) coordinates, whole numbers at the centres of cells, perhaps empty;
@@ -59,8 +64,28 @@ def inset_outline(mask: Flags, margin_cells: float, least_cells: float = 0.0) ->
         if len(near) <= FEW:
             inset = _without(inset, near, inward + UNSURE_CELLS)
             if inset.area > 0.9 * plain.area:
-                return _polygons(inset), float(plain.area)
-    return _shrunk(contour, inward), float(plain.area)
+                return _polygons(_clear(inset, empty, inward)), float(plain.area)
+    return _polygons(_clear(_shrunk(contour, inward), empty, inward)), float(plain.area)
+
+
+def _clear(inset: Any, empty: Flags | None, inward: float) -> Any:
+    """Return an outline that enters no cell without data: where half a cell was not taken off, it is now."""
+    if empty is None or not empty.any():
+        return inset
+    holes: Floats = np.argwhere(empty)[:, ::-1].astype(np.float64) - 2.0
+    if not _entered(inset, holes).any():
+        return inset
+    inset = _shrunk(inset, max(UNSURE_CELLS - inward, 0.0))
+    return _without(inset, holes[_entered(inset, holes)], CLEAR_CELLS)
+
+
+def _entered(shape: Any, centres: Floats) -> Flags:
+    """Return into which cells a shape reaches, or nearly so."""
+    x, y = centres.T
+    shapely.prepare(shape)
+    boxes = shapely.box(x - CLEAR_CELLS, y - CLEAR_CELLS, x + CLEAR_CELLS, y + CLEAR_CELLS)
+    found: Flags = shapely.intersects(shape, boxes)
+    return found
 
 
 def taken_off(margin_cells: float) -> float:
@@ -77,9 +102,9 @@ def within(shape: Any, box: tuple[float, float, float, float]) -> Any:
 
 
 def _too_near(shape: Any, points: Floats, distance: float) -> Flags:
-    """Return which points are nearer to a shape than a distance."""
+    """Return which points are in a shape, or nearer to it than a distance."""
     shapely.prepare(shape)
-    found: Flags = shapely.dwithin(shape, shapely.points(points), distance - 1e-6)
+    found: Flags = shapely.dwithin(shape, shapely.points(points), max(distance - 1e-6, 0.0))
     return found
 
 

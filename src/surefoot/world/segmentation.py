@@ -94,6 +94,7 @@ class Segmentation:
         planes: (n + 1, 3) of ``z = a + b column + d row``; row 0 is not used.
         classes: (rows, columns) of ``CellClass``.
         bridged: cells of regions that hold no data: dropouts of the sensor.
+        holes: cells without data that are no dropouts.
         misses_m: (rows, columns) distance of the ground from its region's plane, averaged over 3 x 3 of its cells.
         noise_m: estimated standard deviation of the measured heights.
     """
@@ -102,6 +103,7 @@ class Segmentation:
     planes: Floats
     classes: NDArray[np.uint8]
     bridged: Flags
+    holes: Flags
     misses_m: Floats
     noise_m: float
 
@@ -242,7 +244,8 @@ class _State:
         self.labels = np.where(far, 0, self.labels).astype(np.int32)
         misses = np.where(self.labels > 0, misses, np.nan)
         bridged = self.dropouts & (self.labels > 0)
-        return Segmentation(self.labels, planes, self._classes(), bridged, misses, self.noise_m)
+        holes = ~self.known & ~self.dropouts
+        return Segmentation(self.labels, planes, self._classes(), bridged, holes, misses, self.noise_m)
 
     def _classes(self) -> NDArray[np.uint8]:
 

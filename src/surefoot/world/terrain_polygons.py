@@ -143,6 +143,7 @@ class _Builder:
         self.polygons: list[TerrainPolygon] = []
         self.regions: list[TerrainRegion] = []
         self.taken = np.zeros(found.labels.shape, np.bool_)
+        self.empty = np.pad(found.holes, 2)
         self.classes = found.classes.copy()
         self.plain_m2 = 0.0
         self.flat_m2 = 0.0
@@ -176,7 +177,8 @@ class _Builder:
             self.classes[place][mask] = CellClass.STEEP
             return
         least_m2 = self.options.min_area_m2 * rise
-        inset, plain_cells = inset_outline(mask, self.options.margin_m / cell_m, least_m2 / cell_m**2)
+        around = self.empty[place[0].start : place[0].stop + 4, place[1].start : place[1].stop + 4]
+        inset, plain_cells = inset_outline(mask, self.options.margin_m / cell_m, least_m2 / cell_m**2, around)
         inset = within(inset, self._extent(place)) if not inset.is_empty else inset
         parts = shapely.get_parts(self._placed(inset, place))
         pieces = [piece for part in parts if part.area >= least_m2 for piece in convex_pieces(part)]
@@ -216,9 +218,7 @@ class _Builder:
         heights, found = self.elevation.height_m, self.found
         (top, left), (rows, columns) = (one.start for one in place), (one.stop - one.start for one in place)
         plane = found.planes[label]
-        mean, single = largest_misses(
-            heights, found.labels, found.misses_m, label, plane, top, left, rows, columns
-        )
+        mean, single = largest_misses(heights, found.labels, found.misses_m, label, plane, top, left, rows, columns)
         self.error_m, self.cell_error_m = max(self.error_m, mean), max(self.cell_error_m, single)
         return float(mean)
 
