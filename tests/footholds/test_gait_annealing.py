@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -78,10 +79,10 @@ def annealed(steps: int) -> tuple[float, list[float]]:
 
 
 def test_annealing_lowers_the_cost_and_repeats_itself() -> None:
-    start, better = annealed(400)
+    start, better = annealed(120)
     assert better == sorted(better, reverse=True)
     assert better[-1] < start
-    assert annealed(400)[1] == better
+    assert annealed(120)[1] == better
 
 
 def test_polygons_follow_the_feet() -> None:
@@ -98,7 +99,7 @@ def test_polygons_follow_the_feet() -> None:
     assert polygons_for(problem, walk.best, cells) == solution.plan.choice
 
 
-OPTIONS = {
+OPTIONS: dict[str, dict[str, Any]] = {
     "collision": {"collision": True, "collision_windows": 10},
     "moments": {"moment_balance": True},
     "support": {"com_support_m": 0.08},

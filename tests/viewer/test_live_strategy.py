@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surefoot.navigation import NavigationStrategy, Order
+from surefoot.viewer import live_strategy
 from surefoot.viewer.answers import strategy_of
 from surefoot.viewer.live_strategy import StrategyView
 from surefoot.viewer.page import HOST, server
@@ -95,6 +96,14 @@ def test_the_scene_shows_the_orders_and_what_is_known(
     assert leaves(opened, "/orders/") == nodes_of(view.book, source, asked)
     assert len(leaves(opened, "/belief/")) == max(sizes)
     assert not leaves(opened, "/obstacles/")
+
+
+def test_a_dropdown_offers_what_is_near(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live_strategy, "MOST_OFFERED", 4)
+    values = tuple("abcdefgh")
+    for chosen, offered in (("a", "abcd"), ("d", "bcde"), ("h", "efgh")):
+        assert "".join(live_strategy._near(values, chosen)) == offered
+    assert live_strategy._near(("a", "b"), "b") == ("a", "b")
 
 
 @pytest.mark.xdist_group("browser")

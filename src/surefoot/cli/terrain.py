@@ -105,7 +105,7 @@ def segment(
     if plot is not None:
         from surefoot.viewer.terrain import draw_terrain
 
-        draw_terrain(terrain, scan, plot, title=source.name)
+        draw_terrain(terrain, scan, plot, title=source.name, options=options)
     _say(terrain, output, plot, total_s, as_json=as_json)
 
 

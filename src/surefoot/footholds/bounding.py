@@ -15,7 +15,7 @@ from surefoot.footholds.sharing import Prices
 from surefoot.footholds.tube import tube_below
 
 _GUIDE_BOXES, _BOXES = 32, 48
-_ROUND, _LEAST_ROUND = 30_000, 60
+_ROUND, _SHORTEST, _LONGEST = 45_000, 60, 300
 _FIRST_STEPS = 150
 _SPLIT = 0.7
 _MARGIN = 4e-3
@@ -50,7 +50,7 @@ class Bounding:
         self.problem, self.guide = problem, Pricing(problem, _GUIDE_BOXES, points=True)
         self.free, self.confined = Pricing(problem, _BOXES), Pricing(problem, _BOXES)
         self.ascent = Ascent(self.guide, even_prices(problem))
-        self.round, self.begun = max(_ROUND // self.guide.count**2, _LEAST_ROUND), False
+        self.round, self.begun = min(max(_ROUND // self.guide.count**2, _SHORTEST), _LONGEST), False
         self.first: tuple[Prices, Priced] | None = None
         self.worth = np.inf
         self.proof = self._proved(even_prices(problem))

@@ -141,4 +141,4 @@ def _longer(problem: Problem) -> list[Lack]:
 
 
 def _cm(amount_m: float) -> str:
-    return f"{amount_m * 100:.2g} cm"
+    return f"{amount_m * 100:.3g} cm"

@@ -17,8 +17,8 @@ from surefoot.verify.footholds_grid import Grid, grid_of
 from surefoot.verify.footholds_rows import nominal, references, surfaces
 from surefoot.verify.footholds_steps import Steps, cheapest
 
-_SPACINGS_M = (0.08, 0.055, 0.04, 0.028)
-_MOST_WORK = 2e9
+_SPACINGS_M = (0.08, 0.055, 0.04)
+_MOST_WORK = 8e8
 _ENOUGH, _FAR = 1e-7, 0.05
 _FEET = np.arange(5)
 

@@ -21,8 +21,11 @@ from surefoot.viewer.run_scene import add_ground, map_cameras
 from surefoot.viewer.scenery import light
 from surefoot.viewer.solids import floor_m, heights_of
 from surefoot.viewer.sources import PlanSource, read_plan_source
-from surefoot.viewer.strategy_choices import Choices, Question, Seen, StrategyBook, hidden_cells
+from surefoot.viewer.strategy_choices import Question, Seen, StrategyBook, hidden_cells
 from surefoot.viewer.timeline import centre_m
+
+MOST_OFFERED = 2000
+"""Values of a dropdown; of more, those about the chosen one are offered."""
 
 _ANYWHERE = "anywhere"
 _ABOVE_M = 0.06
@@ -153,7 +156,7 @@ class StrategyView:
                 return
             with self.lock:
                 number = self.boxes[name].options.index(self.boxes[name].value)
-                field, values = _fields(self.choices)[name]
+                field, values = self._fields()[name]
                 self.ask(replace(self.asked, **{field: values[number]}))
 
         return changed
@@ -161,12 +164,23 @@ class StrategyView:
     def _offers(self) -> dict[str, tuple[tuple[str, ...], int]]:
         """Return what every dropdown offers, and the number of what is chosen."""
         found = {}
-        for name, (field, values) in _fields(self.choices).items():
-            labels = tuple(self._label(field, value, number) for number, value in enumerate(values))
+        for name, (field, values) in self._fields().items():
+            labels = tuple(self._label(field, value) for value in values)
             found[name] = labels, values.index(getattr(self.asked, field))
         return found
 
-    def _label(self, field: str, value: Any, number: int) -> str:
+    def _fields(self) -> dict[str, tuple[str, tuple[Any, ...]]]:
+        """Return the dropdowns: their names, the part of a question that they set, and the values that they offer."""
+        asked, choices = self.asked, self.choices
+        return {
+            "goal": ("goal", choices.goals),
+            "heading": ("heading", choices.headings),
+            "cell": ("cell", choices.cells),
+            "obstacles": ("seen", _near(choices.seen, asked.seen)),
+            "belief": ("state", _near(choices.states, asked.state)),
+        }
+
+    def _label(self, field: str, value: Any) -> str:
         if field == "goal":
             return f"{value}, in {self._named(self.book.strategy.goals[value])}"
         if field == "heading":
@@ -176,7 +190,7 @@ class StrategyView:
         if field == "seen":
             return self._sight(value)
         cells = hidden_cells(self.book.strategy.states[value])
-        return f"{number + 1}: {cells} cells" if cells else f"{number + 1}: none hidden"
+        return f"{cells} cells (knowledge {value})" if cells else f"none hidden (knowledge {value})"
 
     def _sight(self, seen: Seen) -> str:
         kinds = self.book.strategy.kinds
@@ -191,15 +205,10 @@ class StrategyView:
         return f"({at.row}, {at.column})"
 
 
-def _fields(choices: Choices) -> dict[str, tuple[str, tuple[Any, ...]]]:
-    """Return the dropdowns: their names, the part of a question that they set, and its values."""
-    return {
-        "goal": ("goal", choices.goals),
-        "heading": ("heading", choices.headings),
-        "cell": ("cell", choices.cells),
-        "obstacles": ("seen", choices.seen),
-        "belief": ("state", choices.states),
-    }
+def _near(values: tuple[Any, ...], chosen: Any) -> tuple[Any, ...]:
+    """Return so many values about the chosen one as a dropdown can offer."""
+    begin = max(0, min(values.index(chosen) - MOST_OFFERED // 2, len(values) - MOST_OFFERED))
+    return values[begin : begin + MOST_OFFERED]
 
 
 def serve_strategy(plan_dir: Path, port: int | None, say: Callable[[str], None]) -> None:

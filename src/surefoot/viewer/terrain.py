@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from surefoot.viewer import style
-from surefoot.world import CellClass, ElevationMap, Terrain
+from surefoot.world import CellClass, ElevationMap, SegmentOptions, Terrain
 
 _LOOKS = {
     CellClass.NO_DATA: ("white", "no data"),
@@ -26,7 +26,14 @@ _LOOKS = {
 }
 
 
-def draw_terrain(terrain: Terrain, scan: ElevationMap | None, path: Path, *, title: str = "terrain") -> Path:
+def draw_terrain(
+    terrain: Terrain,
+    scan: ElevationMap | None,
+    path: Path,
+    *,
+    title: str = "terrain",
+    options: SegmentOptions | None = None,
+) -> Path:
     """Draw the polygons over the elevation and, beside it, the class of every cell.
 
     Args:
@@ -34,6 +41,7 @@ def draw_terrain(terrain: Terrain, scan: ElevationMap | None, path: Path, *, tit
         scan: the elevation that it was made from; None when there is none.
         path: of the PNG file.
         title: the name of the scan.
+        options: limits, to name beside what they keep out; None: they are not known.
     """
     west, south, east, north = _bounds(terrain, scan)
     panels = 1 if scan is None else 2
@@ -53,7 +61,7 @@ def draw_terrain(terrain: Terrain, scan: ElevationMap | None, path: Path, *, tit
             panel.set_aspect("equal")
             panel.set_xlabel("x [m]")
             panel.set_ylabel("y [m]")
-        style.legend_outside(figure, _legend(terrain, scan), columns=4)
+        style.legend_outside(figure, _legend(terrain, scan, options), columns=4)
     return path
 
 
@@ -101,14 +109,26 @@ def _draw_classes(axes: Axes, terrain: Terrain, scan: ElevationMap) -> None:
     axes.set_title(f"cells of {scan.resolution_m:g} m: {steppable / known:.0%} of those with data are steppable")
 
 
-def _legend(terrain: Terrain, scan: ElevationMap | None) -> list[Any]:
+def _limits(options: SegmentOptions | None) -> dict[CellClass, str]:
+    """Return what decides that a cell is not steppable."""
+    if options is None:
+        return {}
+    rough, error = 1000 * options.max_roughness_m, 1000 * options.max_error_m
+    return {
+        CellClass.STEEP: f" (over {options.max_slope_deg:g}° in 3 x 3 cells)",
+        CellClass.ROUGH: f" (over {rough:g} mm about its plane, or {error:g} mm off)",
+        CellClass.SMALL: f" (under {1e4 * options.min_area_m2:g} cm² without margins)",
+    }
+
+
+def _legend(terrain: Terrain, scan: ElevationMap | None, options: SegmentOptions | None) -> list[Any]:
     handles: list[Any] = [Patch(facecolor=style.BLUE, alpha=0.45, edgecolor=style.BLUE, label="polygon (margin off)")]
     if terrain.narrow:
         handles.append(Line2D([], [], color=style.PURPLE, lw=1.6, label="narrow raised thing"))
     if scan is not None and terrain.classes is not None:
-        there = np.unique(np.asarray(terrain.classes))
+        there, limits = np.unique(np.asarray(terrain.classes)), _limits(options)
         handles += [
-            Patch(facecolor=colour, edgecolor="#999999", lw=0.5, label=label)
+            Patch(facecolor=colour, edgecolor="#999999", lw=0.5, label=label + limits.get(kind, ""))
             for kind, (colour, label) in _LOOKS.items()
             if int(kind) in there
         ]

@@ -69,14 +69,25 @@ def inset_outline(
 
 
 def _clear(inset: Any, empty: Flags | None, inward: float) -> Any:
-    """Return an outline that enters no cell without data: where half a cell was not taken off, it is now."""
+    """Return an outline that enters no cell without data.
+
+    Where half a cell was not taken off, it is now. Elsewhere an edge may cut the corner of such a cell, as a slanted
+    edge does; only cells that hold a corner of the outline, or whose centre lies in it, count as entered.
+    """
     if empty is None or not empty.any():
         return inset
     holes: Floats = np.argwhere(empty)[:, ::-1].astype(np.float64) - 2.0
+    if inward >= UNSURE_CELLS:
+        return _without(inset, holes[_held(inset, holes)], CLEAR_CELLS)
     if not _entered(inset, holes).any():
         return inset
-    inset = _shrunk(inset, max(UNSURE_CELLS - inward, 0.0))
-    return _without(inset, holes[_entered(inset, holes)], CLEAR_CELLS)
+    return clear_of(_shrunk(inset, UNSURE_CELLS - inward), empty)
+
+
+def clear_of(inset: Any, empty: Flags) -> Any:
+    """Return an outline that does not even cut the corners of cells without data."""
+    holes: Floats = np.argwhere(empty)[:, ::-1].astype(np.float64) - 2.0
+    return _polygons(_without(inset, holes[_entered(inset, holes)], CLEAR_CELLS))
 
 
 def _entered(shape: Any, centres: Floats) -> Flags:
@@ -86,6 +97,14 @@ def _entered(shape: Any, centres: Floats) -> Flags:
     boxes = shapely.box(x - CLEAR_CELLS, y - CLEAR_CELLS, x + CLEAR_CELLS, y + CLEAR_CELLS)
     found: Flags = shapely.intersects(shape, boxes)
     return found
+
+
+def _held(shape: Any, centres: Floats) -> Flags:
+    """Return which cells hold a corner of a shape, or have their centre in it."""
+    corners = np.floor(shapely.get_coordinates(shape) + 0.5)
+    cornered = {(x, y) for x, y in corners.tolist()}
+    held = np.array([(x, y) in cornered for x, y in centres.tolist()])
+    return held | _too_near(shape, centres, 0.0)
 
 
 def taken_off(margin_cells: float) -> float:

@@ -144,6 +144,7 @@ class _Builder:
         self.regions: list[TerrainRegion] = []
         self.taken = np.zeros(found.labels.shape, np.bool_)
         self.empty = np.pad(found.holes, 2)
+        self.holed = bool(found.holes.any())
         self.classes = found.classes.copy()
         self.plain_m2 = 0.0
         self.flat_m2 = 0.0
@@ -164,10 +165,8 @@ class _Builder:
                 self._add_region(int(label), places[label - 1], int(sizes[label]))
 
     def _add_region(self, label: int, place: tuple[slice, slice], size: int) -> None:
-        import shapely  # type: ignore[import-untyped]
-
-        from surefoot.world.convex_pieces import area_of, convex_pieces
-        from surefoot.world.outlines import inset_outline, within
+        from surefoot.world.convex_pieces import area_of
+        from surefoot.world.outlines import clear_of, inset_outline, within
 
         cell_m = self.elevation.resolution_m
         mask = self.found.labels[place] == label
@@ -180,8 +179,9 @@ class _Builder:
         around = self.empty[place[0].start : place[0].stop + 4, place[1].start : place[1].stop + 4]
         inset, plain_cells = inset_outline(mask, self.options.margin_m / cell_m, least_m2 / cell_m**2, around)
         inset = within(inset, self._extent(place)) if not inset.is_empty else inset
-        parts = shapely.get_parts(self._placed(inset, place))
-        pieces = [piece for part in parts if part.area >= least_m2 for piece in convex_pieces(part)]
+        parts, pieces = self._pieces(inset, place, least_m2)
+        if self._enter_holes(pieces):
+            parts, pieces = self._pieces(clear_of(inset, around), place, least_m2)
         areas = [area_of(piece) for piece in pieces]
         kept = [piece for piece, area in zip(pieces, areas, strict=True) if area >= least_m2]
         lost = [*(area for area in areas if area < least_m2), *(part.area for part in parts if part.area < least_m2)]
@@ -201,6 +201,26 @@ class _Builder:
         error_m = self._measure(place, label)
         indices = tuple(range(first, len(self.polygons)))
         self.regions.append(TerrainRegion(normal, offset_m, size * cell_m**2 / rise, flat_m2 / rise, indices, error_m))
+
+    def _pieces(self, inset: Any, place: tuple[slice, slice], least_m2: float) -> tuple[Any, list[Floats]]:
+        """Return the parts of an outline in the world, and the convex pieces of those that are large enough."""
+        import shapely  # type: ignore[import-untyped]
+
+        from surefoot.world.convex_pieces import convex_pieces
+
+        parts = shapely.get_parts(self._placed(inset, place))
+        return parts, [piece for part in parts if part.area >= least_m2 for piece in convex_pieces(part)]
+
+    def _enter_holes(self, pieces: list[Floats]) -> bool:
+        """Return whether a cell without data holds a vertex: where pieces were cut, there are new ones."""
+        if not pieces or not self.holed:
+            return False
+        points = np.concatenate(pieces)
+        x, y = self.elevation.origin_m
+        cell_m, rows = self.elevation.resolution_m, len(self.empty) - 4
+        column = np.floor((points[:, 0] - x) / cell_m).astype(np.intp)
+        row = rows - 1 - np.floor((points[:, 1] - y) / cell_m).astype(np.intp)
+        return bool(self.empty[row + 2, column + 2].any())
 
     def _extent(self, place: tuple[slice, slice]) -> tuple[float, float, float, float]:
         """Return the least and largest column and row of the scan, margin off, as positions in a place of the map."""
