@@ -160,10 +160,10 @@ def test_saved_strategies_are_loaded_as_they_were(tmp_path: Path, text: str) -> 
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
-        ("nothing", "is no JSON"),
-        ("[]", "is no strategy of kind gr1-strategy"),
+        ("nothing", "not whole JSON"),
+        ("[]", "holds no JSON object"),
         ('{"kind": "gr1-strategy", "format": 1}', "is no whole strategy"),
-        ("[" * 100_000, "is no JSON"),
+        ("[" * 100_000, "not whole JSON"),
     ],
 )
 def test_what_is_no_strategy_is_bad_input(tmp_path: Path, text: str, complaint: str) -> None:

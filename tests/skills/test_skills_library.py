@@ -190,8 +190,8 @@ def test_two_syntheses_into_one_folder_are_refused(tmp_path: Path) -> None:
     [
         (CHECKS, "{}\n", "no journal of kind"),
         (CHECKS, "[1, 2\n", "is damaged"),
-        (LIBRARY, "{", "no whole JSON"),
-        (LIBRARY, "[]", "no library of kind"),
+        (LIBRARY, "{", "not whole JSON"),
+        (LIBRARY, "[]", "holds no JSON object"),
         (LIBRARY, '{"kind": "skill-library", "format": 2}', "no library of kind"),
         (LIBRARY, '{"kind": "skill-library", "format": 1}', "no whole library"),
     ],

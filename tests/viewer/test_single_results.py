@@ -50,8 +50,8 @@ def test_a_foothold_plan_is_drawn_beside_it(tmp_path: Path, request: pytest.Fixt
     ("content", "complaint"),
     [
         ('{"kind": "zebra"}', "is no kind that can be drawn; allowed are foothold-plan, step-region,"),
-        ("[1, 2]", "is no kind that can be drawn"),
-        ("{", "cannot be read as JSON"),
+        ("[1, 2]", "holds no JSON object"),
+        ("{", "is not whole JSON"),
         ('{"kind": "foothold-plan", "format": 9}', "is no foothold plan of format 1"),
     ],
 )

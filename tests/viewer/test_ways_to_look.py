@@ -100,7 +100,7 @@ def test_what_is_nothing_to_look_at(option: str, tmp_path: Path, capsys: pytest.
         ("missing", "does not exist"),
         ("empty", "is none of these"),
         ("noise.bin", "is none of these"),
-        ("noise.json", "cannot be read as JSON"),
+        ("noise.json", "is not whole JSON"),
         ("zebra.json", "is no kind that can be drawn; allowed are foothold-plan,"),
     ):
         assert complaint in refused(["view", str(tmp_path / name), *OPTIONS[option]], capsys)

@@ -22,8 +22,8 @@ from surefoot.footholds.problem import Problem
 from surefoot.footholds.rows import Array
 from surefoot.footholds.solve import cheapest, slack
 
-_HOT, _COLD = 0.1, 5e-4
-_FIRST_ROUND, _GROWTH = 250, 1.2
+_HOT, _WARM, _COOL, _COLD = 0.1, 0.02, 0.005, 5e-4
+_FIRST_ROUND, _GROWTH = 200, 1.2
 _POLYGON_SHARE = 0.25
 _NEAR_M = 0.4
 _AGAIN = 0.25
@@ -72,7 +72,7 @@ class Annealing:
         self.polished: Trial | None = None
         self.starts = starts
         self.begun: set[str] = set()
-        self.scale = 0.0
+        self.scale, self.heat = 0.0, _COOL
         self.chance = np.random.default_rng(0)
         self.done, self.rounds, self.length = 0, 0, _FIRST_ROUND
         self.idle, self.programs = 0, 0
@@ -98,7 +98,7 @@ class Annealing:
         self.done += 1
         if self.done > self.length:
             return self._next_round()
-        heat = _HOT * (_COLD / _HOT) ** (self.done / self.length)
+        heat = self.heat * (_COLD / self.heat) ** (self.done / self.length)
         worth = self.here.value - heat * self.scale * float(np.log(max(self.chance.random(), 1e-12)))
         changed = self._changed(self.here)
         self.idle += 1
@@ -121,7 +121,7 @@ class Annealing:
         other = self._other_start() if self.rounds % 2 else None
         better = None if other is not None else self._polished()
         self.here = other or self.best
-        self.scale = self.here.value
+        self.scale, self.heat = self.here.value, _WARM if other is None else _HOT
         return better
 
     def _other_start(self) -> Trial | None:

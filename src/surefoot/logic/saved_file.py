@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from surefoot import __version__
 from surefoot.compute import sha256_of, write_text_whole, written_whole
+from surefoot.documents import read_json_object
 from surefoot.errors import InputError
 from surefoot.logic.syntax import Specification, Variable
 
@@ -92,15 +93,8 @@ def read_header(path: Path, kind: str) -> dict[str, Any]:
     Raises:
         InputError: it is missing, too large, or of another kind.
     """
-    try:
-        if path.stat().st_size > LARGEST_BYTES:
-            raise InputError(f"is larger than {LARGEST_BYTES} bytes", source=path)
-        header = json.loads(path.read_bytes())
-    except OSError as problem:
-        raise InputError(f"cannot be read: {problem.strerror}", source=path) from problem
-    except (ValueError, RecursionError) as problem:
-        raise InputError("is no JSON; a strategy is written by: surefoot synth SPEC -o FILE", source=path) from problem
-    if not isinstance(header, dict) or header.get("kind") != kind or header.get("format") != 1:
+    header = read_json_object(path, LARGEST_BYTES, hint="a strategy is written by: surefoot synth SPEC -o FILE")
+    if header.get("kind") != kind or header.get("format") != 1:
         raise InputError(f"is no strategy of kind {kind}, format 1", source=path)
     return header
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
+from surefoot.documents import read_json_object
 from surefoot.errors import InputError
 
 LARGEST_PLAN_BYTES = 50_000_000
@@ -20,12 +20,7 @@ def read_plan_document(folder: Path) -> dict[str, Any]:
     path = folder / "plan.json"
     if not path.is_file():
         raise InputError("holds no plan.json; make a plan with: surefoot plan SCENARIO -o FOLDER", source=folder)
-    if path.stat().st_size > LARGEST_PLAN_BYTES:
-        raise InputError(f"is larger than {LARGEST_PLAN_BYTES} bytes", source=path)
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError) as problem:
-        raise InputError(f"is not whole JSON: {problem}", source=path) from problem
-    if not isinstance(document, dict) or document.get("kind") != "biped-plan" or document.get("format") != 1:
+    document = read_json_object(path, LARGEST_PLAN_BYTES)
+    if document.get("kind") != "biped-plan" or document.get("format") != 1:
         raise InputError("is not a plan of format 1 and kind biped-plan", source=path)
     return document

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.compute import sha256_of, write_text_whole, written_whole
+from surefoot.documents import read_json_object
 from surefoot.errors import InputError
 from surefoot.reach.lattice import Lattice, lattice
 from surefoot.reach.parameters import Disturbance, GridSpec, GuardTube, OmegaSet, Reading, Settings, Transition
@@ -54,7 +55,7 @@ def load_region(path: Path) -> Region:
         InputError: a file is missing, truncated, stale or of another version.
     """
     document_path, arrays_path = path.with_suffix(".json"), path.with_suffix(".npz")
-    document = _read_document(document_path)
+    document = read_json_object(document_path, LARGEST_JSON_BYTES)
     if document.get("kind") != KIND:
         raise InputError(f"has to be {KIND}", source=document_path, key="kind")
     if document.get("format") != FORMAT or isinstance(document.get("format"), bool):
@@ -130,20 +131,6 @@ def _inputs(document: Mapping[str, Any]) -> tuple[Transition, Settings]:
         guard=GuardTube(**settings["guard"]),
         target_half_width_m=float(settings["target_half_width_m"]),
     )
-
-
-def _read_document(path: Path) -> dict[str, Any]:
-    try:
-        if path.stat().st_size > LARGEST_JSON_BYTES:
-            raise InputError(f"is larger than {LARGEST_JSON_BYTES} bytes", source=path)
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as problem:
-        raise InputError("cannot be read", source=path) from problem
-    except (ValueError, RecursionError) as problem:
-        raise InputError("is not whole JSON in UTF-8", source=path) from problem
-    if not isinstance(document, dict):
-        raise InputError("has to be a JSON object", source=path)
-    return document
 
 
 def _read_arrays(path: Path, expected_sha256: str, cells: Lattice, words: int) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from typing import Any
 
 from surefoot import __version__
 from surefoot.compute import write_text_whole
+from surefoot.documents import read_json_object
 from surefoot.errors import InputError
 from surefoot.skills.headings import Turning, read_turning, read_way, turning_object
 from surefoot.skills.journal import CHECKS, PlanFile, check_object, differing, read_check
@@ -172,16 +173,10 @@ def read_library(folder: Path, *, made_with: Mapping[str, Any] | None = None) ->
     if not path.is_file() and (folder / CHECKS).is_file():
         message = "its synthesis was interrupted; `surefoot skills synthesize` with the same folder goes on with it"
         raise InputError(message, source=folder)
-    try:
-        if path.stat().st_size > LARGEST_BYTES:
-            raise InputError(f"is larger than {LARGEST_BYTES} bytes", source=path)
-        value = json.loads(path.read_bytes())
-    except OSError as problem:
-        message = f"is no library of skills: {LIBRARY} cannot be read ({problem.strerror})"
-        raise InputError(message, source=folder) from problem
-    except (ValueError, RecursionError) as problem:
-        raise InputError("is no whole JSON", source=path) from problem
-    if not isinstance(value, dict) or (value.get("kind"), value.get("format")) != (KIND, FORMAT):
+    if not path.is_file():
+        raise InputError(f"is no library of skills: it holds no {LIBRARY}", source=folder)
+    value = read_json_object(path, LARGEST_BYTES)
+    if (value.get("kind"), value.get("format")) != (KIND, FORMAT):
         raise InputError(f"is no library of kind {KIND}, format {FORMAT}", source=path)
     difference = None if made_with is None else differing(value.get("made_with"), made_with)
     if difference:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from surefoot.documents import read_json_object
 from surefoot.errors import InputError
 from surefoot.footholds.terrain import Polygon, PolygonError, polygon
 
@@ -38,8 +38,8 @@ def read_segmented(path: Path) -> Scan:
     Raises:
         InputError: it cannot be read, is no such file, or a polygon is none.
     """
-    document = _document(path)
-    if not isinstance(document, dict) or document.get("kind") != "terrain" or document.get("format") != 1:
+    document = read_json_object(path, _LARGEST_BYTES)
+    if document.get("kind") != "terrain" or document.get("format") != 1:
         raise InputError("is no terrain of `surefoot terrain segment`, format 1", source=path, key="kind")
     given = document.get("polygons")
     if not isinstance(given, list) or not given:
@@ -49,17 +49,6 @@ def read_segmented(path: Path) -> Scan:
     if margin is not None and not (isinstance(margin, int | float) and 0 <= margin <= 0.5):
         raise InputError("needs a number from 0 to 0.5", source=path, key="options.margin_m")
     return Scan(tuple(_polygon(path, k, one) for k, one in enumerate(given)), margin)
-
-
-def _document(path: Path) -> Any:
-    try:
-        if path.stat().st_size > _LARGEST_BYTES:
-            raise InputError(f"is larger than the {_LARGEST_BYTES} bytes that are allowed", source=path)
-        return json.loads(path.read_text("utf-8"))
-    except OSError as problem:
-        raise InputError(f"cannot be read: {problem.strerror}", source=path) from problem
-    except (ValueError, RecursionError) as problem:
-        raise InputError("is no JSON in UTF-8", source=path) from problem
 
 
 def _polygon(path: Path, number: int, given: Any) -> Polygon:

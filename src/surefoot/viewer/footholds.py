@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from surefoot.documents import read_json_object
 from surefoot.errors import InputError
 from surefoot.viewer import style
 
@@ -165,13 +165,8 @@ def read_foothold_plan(plan: Path) -> dict[str, Any]:
     Raises:
         InputError: the file is no foothold plan, or holds no motion.
     """
-    try:
-        if plan.stat().st_size > _LARGEST_BYTES:
-            raise InputError(f"is larger than {_LARGEST_BYTES} bytes", source=plan)
-        document = json.loads(plan.read_text("utf-8"))
-    except (OSError, ValueError) as problem:
-        raise InputError("cannot be read as JSON", source=plan) from problem
-    if not isinstance(document, dict) or document.get("kind") != "foothold-plan" or document.get("format") != 1:
+    document = read_json_object(plan, _LARGEST_BYTES)
+    if document.get("kind") != "foothold-plan" or document.get("format") != 1:
         raise InputError("is no foothold plan of format 1", source=plan, key="kind")
     if not isinstance(document.get("motion"), dict):
         raise InputError("holds no motion: only feasible plans can be animated", source=plan, key="motion")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from surefoot.documents import read_json_object
 from surefoot.errors import InputError
 from surefoot.viewer.quadruped_run import is_quadruped_run
 
@@ -118,13 +118,7 @@ def _of_yaml(path: Path) -> Kind:
 
 
 def _of_json(path: Path) -> Kind:
-    if path.stat().st_size > _LARGEST_BYTES:
-        raise InputError(f"is larger than the {_LARGEST_BYTES} bytes that are allowed", source=path)
-    try:
-        document = json.loads(path.read_bytes())
-    except (ValueError, RecursionError) as problem:
-        raise InputError("cannot be read as JSON", source=path) from problem
-    named = document.get("kind") if isinstance(document, dict) else None
+    named = read_json_object(path, _LARGEST_BYTES).get("kind")
     if not isinstance(named, str) or named not in _FILES:
         raise InputError(f"is no kind that can be drawn; allowed are {', '.join(_FILES)}", source=path, key="kind")
     return _FILES[named]

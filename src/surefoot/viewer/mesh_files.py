@@ -92,9 +92,7 @@ def _scale(visual: Visual) -> NDArray[np.float64]:
     return np.array(visual.size) if visual.mesh is not None else np.ones(3)
 
 
-def _shapes(
-    visual: Visual, loaded: Mapping[Path, tuple[Any, ...]]
-) -> Iterator[tuple[Any, tuple[float, float, float]]]:
+def _shapes(visual: Visual, loaded: Mapping[Path, tuple[Any, ...]]) -> Iterator[tuple[Any, tuple[float, float, float]]]:
     """Yield the meshes of a visual with their colours."""
     import trimesh
 

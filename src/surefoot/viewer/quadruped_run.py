@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patches import Rectangle as Box
 
+from surefoot.documents import read_json_object
 from surefoot.errors import InputError
 from surefoot.missions.quadruped_events import Happening
 from surefoot.missions.quadruped_world import World
@@ -164,9 +164,7 @@ def _draw_events(axes: Axes, records: list[dict[str, Any]]) -> list[Any]:
 def _draw_motions(axes: Axes, run_dir: Path, records: list[dict[str, Any]]) -> None:
     for record in (one for one in records if one["record"] == "segment"):
         file = run_dir / record["plan"]["path"]
-        if file.stat().st_size > _LARGEST_BYTES:
-            raise InputError(f"is larger than {_LARGEST_BYTES} bytes", source=file)
-        motion = json.loads(file.read_text("utf-8"))["motion"]
+        motion = read_json_object(file, _LARGEST_BYTES)["motion"]
         base, feet = np.array(motion["base_m"]), np.array(motion["feet_m"])
         axes.plot(-base[:, 1], base[:, 0], color=style.BLACK, lw=1.6, zorder=6)
         axes.plot(-base[-1, 1], base[-1, 0], "o", color=style.BLACK, ms=3, zorder=6)
