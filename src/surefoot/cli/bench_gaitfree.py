@@ -25,5 +25,5 @@ def gait_figures(say: Say) -> Iterator[Figure]:
         yield Figure(f"{what} {done}, p95 CPU", one.decided_s[1], "s", target, "at most", paper)
         yield Figure(f"{what} unknown", one.unknown, "", 0, "at most", "")
         if one.gaps:
-            yield Figure(f"{what} gap of the total in 15 s, median", one.gaps[0], "", None, "at most", "")
-            yield Figure(f"{what} gap of the total in 15 s, worst", one.gaps[1], "", GAP, "at most", "")
+            yield Figure(f"{what} gap of the total in 15 s of CPU, median", one.gaps[0], "", None, "at most", "")
+            yield Figure(f"{what} gap of the total in 15 s of CPU, worst", one.gaps[1], "", GAP, "at most", "")
