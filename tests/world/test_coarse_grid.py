@@ -39,7 +39,8 @@ def maps(draw: st.DrawFn) -> OccupancyMap:
 @st.composite
 def grids(draw: st.DrawFn) -> CoarseGrid:
     occupancy = draw(maps())
-    size_m = occupancy.resolution_m * draw(st.sampled_from([0.7, 1.0, 1.4]))  # beyond, a turned map of 4 pixels may hold no whole cell
+    # A larger cell may not fit into a turned map of four pixels.
+    size_m = occupancy.resolution_m * draw(st.sampled_from([0.7, 1.0, 1.4]))
     return make_grid(occupancy, cell_size_m=size_m, origin_m=draw(coordinates(20)), rotation_rad=draw(ANGLES))
 
 
