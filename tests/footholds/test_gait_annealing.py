@@ -134,3 +134,11 @@ def test_annealed_plans_keep_the_rows_of_the_options(tmp_path: Path, name: str) 
     ledger = Ledger()
     check_footholds(tmp_path / "plan.json", ledger)
     assert not ledger.kept
+
+
+def test_who_is_there_stands() -> None:
+    problem = leap()
+    solution = solve(replace(problem, goal_m=problem.start_m))
+    assert solution.free is not None
+    assert solution.free.gait is not None
+    assert solution.free.gait.modes == ("STANCE",)

@@ -35,6 +35,7 @@ def write_map(folder: Path, rows: list[str], *, yaw_rad: float = 0.0, shift: int
     return folder / "m.yaml"
 
 
+HALL = ["#######", "#.....#", "#.#.#.#", "#.....#", "#.....#", "#######"]
 RING = ["######", "#....#", "#.##.#", "#....#", "######"]
 
 
@@ -66,6 +67,12 @@ def test_the_tutorial_map_gets_a_scenario_with_a_plan(scenes: Path, tmp_path: Pa
     scenario = read_scenario(made.scenario)
     assert scenario.map_path.resolve() == (scenes / "tutorial.yaml").resolve()
     assert len(scenario.goals) == 2
+
+
+def test_belief_regions_may_cover_blocked_cells(tmp_path: Path) -> None:
+    made = init_scenario(write_map(tmp_path, HALL), tmp_path / "my.yaml")
+    assert len(read_scenario(made.scenario).belief_regions) > 1
+    assert made.checked is True
 
 
 @pytest.mark.parametrize(("yaw_rad", "shift"), [(0.0, 0), (0.0, 3), (0.7, 4)])

@@ -46,12 +46,36 @@ def problems_of(
         lines: where each place stands in it.
     """
     found: dict[tuple[Loc, str], InputError] = {}
-    for detail in refused.errors(include_url=False):
+    for detail in _about_what_was_meant(refused.errors(include_url=False), schema):
         for loc, message in _places(detail, schema):
             found.setdefault(
                 (loc, message), InputError(message, source=path, line=_line(loc, lines), key=dotted(loc) or None)
             )
     return list(found.values())
+
+
+def _about_what_was_meant(details: Sequence[ErrorDetails], schema: Mapping[str, Any]) -> list[ErrorDetails]:
+    """Return complaints without the names that pydantic gives to the choices of a place.
+
+    Of a place with several choices, such as a list or text, only what comes farthest into one of them is kept.
+    """
+    farthest: dict[Loc, int] = {}
+    found = []
+    for detail in details:
+        loc = detail["loc"]
+        at = next((k for k in range(len(loc)) if _names_a_choice(loc, k, schema)), None)
+        if at is not None:
+            loc = loc[:at] + loc[at + 1 :]
+            farthest[loc[:at]] = max(farthest.get(loc[:at], 0), len(loc))
+        found.append((detail | {"loc": loc}, None if at is None else loc[:at]))
+    return [detail for detail, choice in found if choice is None or len(detail["loc"]) == farthest[choice]]
+
+
+def _names_a_choice(loc: Loc, at: int, schema: Mapping[str, Any]) -> bool:
+    """Return whether a part of a place is no key, but the name of one of several choices."""
+    here = _at(schema, loc[:at])
+    choices = [one for one in here.get("anyOf", ()) if one.get("type") != "null"]
+    return len(choices) > 1 and isinstance(loc[at], str) and loc[at] not in here.get("properties", {})
 
 
 def _line(loc: Loc, lines: Mapping[Loc, int]) -> int | None:

@@ -327,14 +327,15 @@ def _obstacles(scenario: Scenario, grid: CoarseGrid, start: Cell, inflated_m: fl
 
 
 def _regions(scenario: Scenario, grid: CoarseGrid) -> tuple[frozenset[int], ...]:
-    """Return the belief regions as sets of cells; they must be disjoint and not empty."""
+    """Return the belief regions as sets of free cells; they must be disjoint and not empty."""
+    free = set(grid.free_cells())
     regions: list[frozenset[int]] = []
     for number, region in enumerate(scenario.belief_regions):
         key = f"belief_regions[{number}].rectangles_m"
-        cells = frozenset(grid.index(cell) for area in region.rectangles_m for cell in grid.centered_in(area))
+        cells = frozenset(grid.index(cell) for area in region.rectangles_m for cell in grid.centered_in(area) & free)
         if not cells:
             raise InputError(
-                "no cell has its centre in this region; rectangles are [x0, y0, x1, y1] in metres", key=key
+                "no free cell has its centre in this region; rectangles are [x0, y0, x1, y1] in metres", key=key
             )
         for other, earlier in enumerate(regions):
             if common := cells & earlier:

@@ -24,6 +24,7 @@ from surefoot.verify.cell_classes import CellClasses
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds import check_footholds
 from surefoot.verify.footholds_file import BROKEN, FootholdFile, read_foothold_plan
+from surefoot.verify.quadruped_events import Expected, Planned
 from surefoot.verify.quadruped_file import QuadrupedRun, read_quadruped_run
 from surefoot.verify.quadruped_map import Array, Cell, Patch
 from surefoot.verify.quadruped_moves import Automaton, Labels, Pose
@@ -32,6 +33,9 @@ from surefoot.verify.values import Fields, Rectangle
 _NEAR_M = 1e-6
 _ON_M = 2e-6
 _TIME_S = 1e-6
+_LANDED_M = 0.15
+"""How far from where a push takes it the robot may find a pose to stand in (the box of re-targeting)."""
+_GRAVITY_MPS2 = 9.81
 
 
 def check_quadruped_run(folder: Path, ledger: Ledger) -> None:
@@ -65,6 +69,9 @@ class Replay:
         self.classes = CellClasses(run.ground, header.cell("grid"))
         self.looked: tuple[Pose, Labels] | None = None
         self.gone: list[Rectangle] = []
+        self.expected = Expected(header)
+        self.delays_s = header.numbers("delays_s") or (0.0,)
+        self.settled: Planned | None = None
         self.ended = False
         self.segments = self.turns = 0
         self.walked_s = self.started_s = self.idle_s = 0.0
@@ -167,18 +174,36 @@ class Replay:
                     self.classes.gone((*low, *high))
         if record.get("stands") is not None:
             stands = record.mapping("stands")
+            self._check_push(event, stands, place)
             if stands.cell("cell") != self.cell:
                 self.automaton.interrupted()
             self.cell, self.base, self.feet = stands.cell("cell"), np.array(stands.numbers("base_m", 3)), _feet(stands)
             self._check_stance(place)
         if record.whole("before_segment") != self.segments:
             self._refuse("event", f"says that it comes before another segment than {self.segments}", place)
-        expected = [dict(one.values) for one in self.run.header.mappings("events")]
-        if dict(event.values) not in expected:
-            self._refuse("event", "is none of those that the header names", place)
+        problem = self.expected.see(event)
+        if problem:
+            self._refuse("event", problem, place)
+
+    def _check_push(self, event: Fields, stands: Fields, place: str) -> None:
+        """Check that only a push moves the robot, and about where it takes it."""
+        if not event.has("push_m"):
+            self._refuse("event", "moves the robot, and is no push", place)
+            return
+        pushed = self.base[:2] + np.array(event.point("push_m"))
+        if float(np.abs(np.array(stands.numbers("base_m", 3))[:2] - pushed).max()) > _LANDED_M + _NEAR_M:
+            self._refuse("event", f"takes the robot more than {_LANDED_M} m away from where it was pushed", place)
+
+    def _check_seen(self, record: Fields, place: str) -> None:
+        """Check that the planner knew the world; it looks before a step in place, not between that and the move."""
+        now = Planned(record.whole("number"), record.number("plan_start_s"))
+        for problem in self.expected.problems(self.settled or now):
+            self._refuse("event", problem, place)
+        self.settled = now if record.get("primitive") is None else None
 
     def _failed(self, record: Fields, place: str) -> None:
         here, _ = record.cells("cells")
+        self.settled = None
         self.automaton.failed(record)
         if here != self.cell:
             self._refuse("move", f"is tried from {here}, but the robot is in {self.cell}", place)
@@ -186,6 +211,7 @@ class Replay:
     def _segment(self, record: Fields, place: str) -> None:
         if record.whole("number") != self.segments:
             self._refuse("segment", f"has number {record.whole('number')}, not {self.segments}", place)
+        self._check_seen(record, place)
         self.segments += 1
         here, there = record.cells("cells")
         if here != self.cell:
@@ -230,6 +256,8 @@ class Replay:
         """Check that a plan is about this robot, on this ground, from where the robot stands, into the next cell."""
         arrays, values = plan.arrays, plan.values
         self._check_robot(values["robot"], place)
+        if plan.number("gravity_mps2") != _GRAVITY_MPS2:
+            self._refuse("plan", f"is about a gravity other than {_GRAVITY_MPS2} m/s²", place)
         if not np.allclose(values["start"]["position_m"], self.base, atol=_NEAR_M):
             self._refuse("continuity", "the base does not begin where it came to rest", place)
         if not np.allclose(values["start"]["feet_m"], self.feet, atol=_NEAR_M):
@@ -281,6 +309,8 @@ class Replay:
             self._refuse("time", f"lasts {end - start:g} s, the plan {horizon:g} s", place)
         if not self.started_s - _TIME_S <= begun <= sent + _TIME_S:
             self._refuse("time", "is planned before the motion in front began, or sent before it was planned", place)
+        if sent - self.started_s < self.delays_s[(self.segments - 1) % len(self.delays_s)] - _TIME_S:
+            self._refuse("time", "is sent before the delay is over that the header names", place)
         if abs(start - max(sent, self.walked_s)) > _TIME_S:
             self._refuse("time", f"begins at {start:g} s, not when the robot stands and the plan is there", place)
         waited = 0.0 if first else max(sent - self.walked_s, 0.0)

@@ -43,11 +43,7 @@ def certificate_problem(check: Fields, way: str, cell_m: float, known: dict[str,
     sha256 = named.text("sha256")
     if sha256 not in known:
         known[sha256] = Motion.of(path)
-    if known[sha256].problem:
-        return known[sha256].problem
-    if way in TURNS:
-        return known[sha256].not_one_turn(way, cell_m / 2)
-    return known[sha256].not_one_cell(way, cell_m / 2)
+    return known[sha256].misses(way, cell_m / 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +78,10 @@ class Motion:
         if max(map(abs, (*before, *after[:2]))) > _TURN_RAD:
             return cls("has a plan that does not begin level and along x, and end level")
         return cls("", goal[0] - start[0], goal[1] - start[1], after[2])
+
+    def misses(self, way: str, half_m: float) -> str:
+        """Return why the plan does not certify a direction or a turn; empty if it does."""
+        return self.problem or (self.not_one_turn if way in TURNS else self.not_one_cell)(way, half_m)
 
     def not_one_cell(self, way: str, half_m: float) -> str:
         """Return that the motion does not lead to the next cell in a direction; empty if it does."""
