@@ -13,6 +13,7 @@ from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds_bound import gait_bound
 from surefoot.verify.footholds_file import BROKEN, FootholdFile, read_foothold_plan
 from surefoot.verify.footholds_free import cells_problem, refutation_problem
+from surefoot.verify.footholds_problem import differing_keys
 from surefoot.verify.footholds_proof import proved_bound
 from surefoot.verify.footholds_reach import left_to_steps
 from surefoot.verify.footholds_rows import cost, jacobians, references, violations
@@ -37,6 +38,7 @@ def check_footholds(path: Path, ledger: Ledger) -> None:
 def _check(plan: FootholdFile, ledger: Ledger) -> None:
     verdict = plan.answer.get("verdict")
     ledger.counts.update(verdict=verdict, samples=len(plan.contacts), footsteps=len(plan.steps))
+    _check_values(plan, ledger)
     if plan.free is not None:
         _check_free(plan, plan.free, ledger)
     elif verdict == "feasible":
@@ -46,6 +48,14 @@ def _check(plan: FootholdFile, ledger: Ledger) -> None:
         _check_refutation(plan, ledger)
     else:
         ledger.refuse("footholds, verdict", "claims nothing that could be checked", "answer.verdict")
+
+
+def _check_values(plan: FootholdFile, ledger: Ledger) -> None:
+    if plan.values["samples"] != len(plan.contacts):
+        ledger.refuse("footholds, values", f"the gait has {len(plan.contacts)} samples", "values.samples")
+    if plan.problem is not None:
+        for key in differing_keys(plan.problem, plan.values, plan.free):
+            ledger.refuse("footholds, problem", f"is not what {plan.problem.name} says", f"values.{key}")
 
 
 def _check_motion(plan: FootholdFile, ledger: Ledger) -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from surefoot.errors import InputError
@@ -52,6 +50,7 @@ class FootholdFile:
         regions: the free region of every foot and window.
         proof: as it stands in the file.
         free: what plans of a free gait add, as it stands in the file; None for a gait that was given.
+        problem: the problem file, whose hash is right; None when the plan names none.
     """
 
     path: Path
@@ -64,6 +63,7 @@ class FootholdFile:
     regions: tuple[int, ...]
     proof: dict[str, Any] | None
     free: dict[str, Any] | None = None
+    problem: Path | None = None
 
     def number(self, *keys: str) -> float:
         """Return a number of the values."""
@@ -103,11 +103,10 @@ def _read(path: Path, fields: Fields) -> FootholdFile:
     if motion is not None:
         arrays, polygons, regions = _motion(motion, contacts, steps)
     proof = fields.get("proof")
-    if fields.get("problem") is not None:
-        _same_problem(checked_file(fields.mapping("problem"), path.parent), values)
-    free = dict(fields.mapping("free").values) if fields.has("free") and fields.get("free") else None
+    free = dict(fields.mapping("free").values) if fields.has("free") and fields.get("free") is not None else None
+    problem = checked_file(fields.mapping("problem"), path.parent) if fields.get("problem") is not None else None
     proof = proof if isinstance(proof, dict) else None
-    return FootholdFile(path, values, answer, contacts, steps, arrays, polygons, regions, proof, free)
+    return FootholdFile(path, values, answer, contacts, steps, arrays, polygons, regions, proof, free, problem)
 
 
 def _contacts(values: dict[str, Any]) -> NDArray[np.bool_]:
@@ -170,37 +169,3 @@ def _motion(
         tuple(int(s["polygon"]) for s in motion["footsteps"]),
         tuple(int(s) for s in motion["window_regions"]),
     )
-
-
-def _same_problem(path: Path, values: dict[str, Any]) -> None:
-    """Refuse a plan whose values are not those of its problem file."""
-    with path.open("rb") as stream:
-        given = yaml.safe_load(stream)
-    for key in ("step_s", "start", "goal", "free_regions", "weights", "gravity_mps2"):
-        if given.get(key) is not None and not _agrees(given[key], values[key]):
-            raise InputError(f"is not what {path.name} says", source=path, key=key)
-    if given.get("gait") == "free" and "horizon_s" in values and not _agrees(given["horizon_s"], values["horizon_s"]):
-        raise InputError(f"is not what {path.name} says", source=path, key="horizon_s")
-    for said, used in zip(given["polygons"], values["polygons"], strict=True):
-        corners = {tuple(round(float(x), 9) + 0.0 for x in corner) for corner in said["vertices_m"]}
-        if corners != {tuple(round(float(x), 9) + 0.0 for x in corner) for corner in used["vertices_m"]}:
-            raise InputError(f"are not those of {path.name}", source=path, key="polygons")
-        if not _agrees(said.get("friction", 0.6), used["friction"]):
-            raise InputError(f"have another friction than in {path.name}", source=path, key="polygons")
-    limits = {"gap", "first_plan", "time_limit_s"}
-    options = {key: value for key, value in (given.get("options") or {}).items() if key not in limits}
-    if not _agrees(options, values["options"]):
-        raise InputError(f"are not those of {path.name}", source=path, key="options")
-
-
-def _agrees(given: Any, used: Any) -> bool:
-    """Return whether what a file gives is what was used; keys that it leaves out may have any value."""
-    if given is None:
-        return True
-    if isinstance(given, dict):
-        return all(value is None or (key in used and _agrees(value, used[key])) for key, value in given.items())
-    if isinstance(given, list):
-        return len(given) == len(used) and all(_agrees(a, b) for a, b in zip(given, used, strict=True))
-    if isinstance(given, bool) or isinstance(used, bool):
-        return given is used
-    return math.isclose(float(given), float(used), rel_tol=1e-12, abs_tol=1e-12)
