@@ -63,10 +63,13 @@ def process_pool(workers: int | None = None, *, preload: Sequence[str] = ()) -> 
     try:
         yield pool
     finally:
-        started = list((pool._processes or {}).values())
+        started, manager = list((pool._processes or {}).values()), pool._executor_manager_thread
         pool.shutdown(wait=False, cancel_futures=True)
         for process in started:
             process.terminate()
+        if manager is not None:
+            # Where it still runs when Python ends, Python may print a traceback. Typeshed has another class.
+            manager.join()  # type: ignore[attr-defined]
 
 
 def _begin_work() -> None:

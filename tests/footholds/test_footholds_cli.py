@@ -63,6 +63,10 @@ def test_answers_unknown_at_the_limit(tmp_path: Path) -> None:
     assert run("footholds", "solve", str(write(tmp_path, 0.3)), "--time-limit", "0.001") in {0, 3}
 
 
+def test_the_time_limit_is_finite(tmp_path: Path) -> None:
+    assert run("footholds", "solve", str(write(tmp_path, 0.3)), "--time-limit", "inf") == 2
+
+
 def test_bad_input_is_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = write(tmp_path, 0.3)
     path.write_text(path.read_text().replace("go2", "go9"))

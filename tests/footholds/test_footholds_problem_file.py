@@ -104,6 +104,13 @@ def test_refuses_with_file_line_and_sentence(tmp_path: Path, old: str, new: str,
     assert f"{path}:{line}:" in str(refused.value)
 
 
+def test_refused_polygons_are_counted_too(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as refused:
+        read_problem(write(tmp_path, GOOD.replace(SQUARE, "[[0, 0, 0], [1, 0, 0]]")))
+    assert str(refused.value).endswith("polygons[0].vertices_m: needs at least 3 items, not 2")
+    assert "\n" not in str(refused.value)
+
+
 def test_collision_needs_free_regions(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="needs at least one of free_regions"):
         read_problem(write(tmp_path, GOOD + "options: {collision: true}\n"))

@@ -209,7 +209,8 @@ def confined(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert proof.worth == solution.objective
     path = tmp_path_factory.mktemp("confined") / "plan.json"
     gap = (solution.objective - proof.bound) / solution.objective
-    write_plan(path, problem, replace(solution, bound=proof.bound, gap=gap, free=replace(solution.free, proof=proof)))
+    free = replace(solution.free, proof=proof)
+    write_plan(path, problem, replace(solution, bound=proof.bound, gap=gap, net_gap=None, free=free))
     return path
 
 

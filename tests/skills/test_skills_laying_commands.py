@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 from surefoot.cli import main
 from surefoot.world.synthetic_terrain import stairs
@@ -63,6 +65,48 @@ def test_scanned_stairs_are_laid_verified_and_climbed(tmp_path: Path, capsys: py
     assert "does not fit terrain.json" in capsys.readouterr().err
 
 
+def _other_margin(document: dict[str, Any]) -> None:
+    document["margin_m"] = 0.08
+
+
+def _highest_forgotten(document: dict[str, Any]) -> None:
+    document["polygons"].remove(max(document["polygons"], key=lambda one: one["vertices_m"][0][2]))
+
+
+def _one_twice(document: dict[str, Any]) -> None:
+    document["polygons"].append(document["polygons"][0])
+
+
+@pytest.mark.parametrize(
+    ("tamper", "sentence"),
+    [
+        (_other_margin, "is not what was taken off the polygons of the scan"),
+        (_highest_forgotten, "is left out, and lies in no crevice of higher ground"),
+        (_one_twice, "is there twice"),
+    ],
+)
+def test_a_mission_laid_otherwise_than_its_scan_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], tamper: Callable[[dict[str, Any]], None], sentence: str
+) -> None:
+    terrain, mission = segmented(tmp_path, 0.17), tmp_path / "mission.yaml"
+    assert run("terrain", "lay", str(terrain), "-o", str(mission), "--classes", "stairs", "--cell", "0.3") == 0
+    assert run("verify", str(mission)) == 0
+    document = yaml.safe_load(mission.read_text())
+    tamper(document)
+    mission.write_text(yaml.safe_dump(document))
+    capsys.readouterr()
+    assert run("verify", str(mission)) == 1
+    assert sentence in capsys.readouterr().out
+
+
+def test_stairs_too_high_without_start_and_goal_are_not_said_to_be_climbed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    terrain = segmented(tmp_path, 0.25)
+    assert run("terrain", "lay", str(terrain), "--classes", "stairs", "--cell", "0.3") == 0
+    assert "no way was looked for to the other" in capsys.readouterr().out
+
+
 def test_steps_too_high_are_told_with_cell_measure_and_limit(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -101,6 +145,8 @@ def test_cells_that_fit_nowhere_are_explained_and_drawn(tmp_path: Path, capsys: 
         (["t.json", "--classes", "moon"], "there is no set of classes 'moon'"),
         (["t.json", "--start", "here"], "--start: 'here' is no place"),
         (["t.json", "--start", "90,90"], "--start: lies beside the ground"),
+        (["t.json", "--yaw", "nan"], "--yaw: needs a finite number of degrees"),
+        (["t.json", "--yaw", "inf"], "--yaw: needs a finite number of degrees"),
     ],
 )
 def test_bad_input_gets_a_sentence(

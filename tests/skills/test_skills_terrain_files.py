@@ -195,3 +195,19 @@ def test_a_terrain_may_name_a_segmented_one(tmp_path: Path) -> None:
 def test_bad_segmented_terrains_are_refused(tmp_path: Path, changes: dict[str, object], said: str) -> None:
     with pytest.raises(InputError, match=said):
         read_terrain(segmented(tmp_path, **changes))
+
+
+@pytest.mark.parametrize(
+    ("polygons", "said"),
+    [
+        ("[{vertices_m: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], friction: 20}]", "polygons[0].friction: needs a number not"),
+        ("[{vertices_m: [[0, 0, 0], [1, 0, 0], [0, .inf, 0]]}]", "polygons[0].vertices_m[2][1]: needs a finite number"),
+    ],
+)
+def test_a_place_with_two_choices_is_complained_about_in_the_words_of_the_file(
+    tmp_path: Path, polygons: str, said: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        read_terrain(written(tmp_path, TERRAIN.split("polygons:")[0] + f"polygons: {polygons}\n"))
+    assert said in str(refused.value)
+    assert len(str(refused.value).splitlines()) == 1

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -155,5 +156,7 @@ def double(number: int) -> int:
 
 
 def test_the_pool_answers_each_item() -> None:
+    before = set(threading.enumerate())
     with process_pool(2) as executor:
         assert sorted(each_answer(executor, double, [3, 4, 5], Deadline())) == [(0, 6), (1, 8), (2, 10)]
+    assert set(threading.enumerate()) <= before  # a thread that outlives its pool may print a traceback at exit

@@ -11,9 +11,20 @@ import numpy as np
 import pytest
 
 from surefoot.errors import InputError
-from surefoot.footholds import solve, write_plan
+from surefoot.footholds import read_problem, retarget, retargeted, solve, write_plan
+from surefoot.footholds.gaits import NAMED
 from surefoot.footholds.generators import problem_of, strips
 from surefoot.verify import verify_path
+from surefoot.verify.footholds_problem import differing_keys
+
+PROBLEM = """
+format: 1
+robot: go2
+gait: trot-1s
+start: {position_m: [0, 0, 0.29], rpy_rad: [0, 0, 0.03]}
+goal: {position_m: [0.1, 0, 0.29]}
+polygons: [{vertices_m: [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]}]
+"""
 
 
 @pytest.fixture(scope="module")
@@ -121,3 +132,97 @@ def test_accepts_plans_with_collision_avoidance(tmp_path: Path) -> None:
     write_plan(tmp_path / "plan.json", problem, solve(problem, why=False))
     report = verify_path(tmp_path / "plan.json")
     assert report.accepted, report.findings
+
+
+def _set(*keys: str | int, to: object) -> Callable[[dict[str, Any]], None]:
+    def change(document: dict[str, Any]) -> None:
+        here: Any = document
+        for key in keys[:-1]:
+            here = here[key]
+        here[keys[-1]] = to
+
+    return change
+
+
+@pytest.fixture
+def of_a_file(tmp_path: Path) -> Path:
+    (tmp_path / "problem.yaml").write_text(PROBLEM)
+    problem = read_problem(tmp_path / "problem.yaml")
+    write_plan(tmp_path / "plan.json", problem, solve(problem, why=False))
+    assert verify_path(tmp_path / "plan.json").accepted
+    return tmp_path / "plan.json"
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (_set("values", "robot", "torque_max_nm", to=[500.0, 500.0, 500.0]), "values.robot"),
+        (_set("values", "robot", "base_torque_max_nm", to=300.0), "values.robot"),
+        (_set("values", "options", "tilt_max_rad", to=3.0), "values.options"),
+        (_set("values", "weights", "force", to=0.2), "values.weights"),
+        (_set("values", "gait", "modes", 0, to="STANCE"), "values.gait"),
+        (_set("values", "goal", "rpy_rad", to=[0.0, 0.0, 0.3]), "values.goal"),
+        (_set("values", "samples", to=3), "values.samples"),
+        (_set("answer", "bound", to=None), "answer.gap"),
+        (_set("answer", "net_gap", to=0.5), "answer.net_gap"),
+    ],
+)
+def test_refuses_what_is_not_in_the_problem_file(
+    of_a_file: Path, change: Callable[[dict[str, Any]], None], where: str
+) -> None:
+    document = json.loads(of_a_file.read_text())
+    change(document)
+    if where == "values.gait":
+        document["motion"] = None
+    of_a_file.write_text(json.dumps(document))
+    report = verify_path(of_a_file)
+    assert not report.accepted
+    assert where in {finding.where for finding in report.findings}
+
+
+def test_accepts_robot_and_gait_files(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(
+        "format: 1\nname: mine\nmass_kg: 1.2e1\ninertia_kgm2: [0.1, 0.3, 0.3]\nfoot_reference_m: [0.18, 0.13, -0.29]\n"
+        "foot_reach_m: [0.15, 0.1, 0.15]\ntorque_max_nm: [20, 20, 40]\n"
+    )
+    (tmp_path / "gait.info").write_text(
+        "modeSequence { [0] STANCE [1] LF_RF_LH [2] STANCE } switchingTimes { [0] 0 [1] 0.5 [2] 1 [3] 1.5 }"
+    )
+    path = tmp_path / "problem.yaml"
+    path.write_text(
+        PROBLEM.replace("go2", "mine.yaml").replace("trot-1s", "gait.info") + "options: {clearance_m: 3e-2}"
+    )
+    problem = read_problem(path)
+    write_plan(tmp_path / "plan.json", problem, solve(problem, why=False))
+    report = verify_path(tmp_path / "plan.json")
+    assert report.accepted, report.findings
+    (tmp_path / "mine.yaml").write_text((tmp_path / "mine.yaml").read_text().replace("20, 20", "2, 2"))
+    assert {finding.where for finding in verify_path(tmp_path / "plan.json").findings} == {"values.robot"}
+
+
+def test_refuses_polygons_that_do_not_exist(of_a_file: Path) -> None:
+    document = json.loads(of_a_file.read_text())
+    document["motion"]["footsteps"][0]["polygon"] = -1
+    of_a_file.write_text(json.dumps(document))
+    with pytest.raises(InputError, match="polygon has to count from 0 to 0"):
+        verify_path(of_a_file)
+
+
+def test_accepts_a_goal_that_was_retargeted(tmp_path: Path) -> None:
+    (tmp_path / "high.yaml").write_text(PROBLEM.replace("[0.1, 0, 0.29]", "[0.1, 0, 0.5]"))
+    problem = read_problem(tmp_path / "high.yaml")
+    moved = retargeted(problem, retarget(problem))
+    assert moved.goal_m[2] < 0.45
+    write_plan(tmp_path / "plan.json", moved, solve(moved, why=False))
+    assert verify_path(tmp_path / "plan.json").accepted
+
+
+@pytest.mark.parametrize("name", list(NAMED))
+def test_the_checker_knows_the_named_gaits(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "problem.yaml"
+    path.write_text(PROBLEM.replace("trot-1s", name))
+    problem = read_problem(path)
+    write_plan(tmp_path / "plan.json", problem, solve(problem, why=False))
+    values = json.loads((tmp_path / "plan.json").read_text())["values"]
+    assert differing_keys(path, values, None) == []
+    assert differing_keys(path, values, {"horizon_s": 1.0}) == ["gait"]

@@ -92,6 +92,7 @@ def grow(document: Document) -> None:
         (bend, "terrain, plane"),
         (tilt, "terrain, slope"),
         (grow, "terrain, hole"),
+        (lambda document: document["polygons"][0].update(friction=0.9), "terrain, friction"),
         (lambda document: document["statistics"].update(area_m2=9.0), "terrain, area"),
         (lambda document: document["statistics"].update(max_plane_error_m=0.5), "terrain, error"),
         (lambda document: document["statistics"].update(max_plane_error_m=1e-5), "terrain, error"),

@@ -212,6 +212,65 @@ def test_an_event_has_its_place_in_the_log(run: Path) -> None:
     assert rules(run) == {"quadruped, event"}
 
 
+def _every_event(run: Path, number: int, change: Callable[[Record], None]) -> None:
+    """Change an event where the header names it, and where it is seen."""
+    doctored(run, "header", 0, lambda one: change(one["events"][number]))
+    doctored(run, "event", number, lambda one: change(one["event"]))
+
+
+def test_an_event_that_was_due_has_to_be_seen(run: Path) -> None:
+    unseen = {"at_segment": 1, "obstacle_m": [[0.1, 2.0], [0.3, 2.2]]}
+    doctored(run, "header", 0, lambda one: one["events"].append(unseen))
+    assert rules(run) == {"quadruped, event"}
+
+
+@pytest.mark.parametrize("when", [{"at_segment": 9}, {"at_s": 900.0}])
+def test_an_event_is_not_seen_before_it_is_due(run: Path, when: Record) -> None:
+    def later(one: Record) -> None:
+        del one["at_segment"]
+        one.update(when)
+
+    _every_event(run, 0, later)
+    assert rules(run) == {"quadruped, event"}
+
+
+def test_an_event_is_seen_once(run: Path) -> None:
+    path = run / "run.jsonl"
+    lines = path.read_text().splitlines()
+    seen = next(k for k, line in enumerate(lines) if '"record": "event"' in line)
+    path.write_text("\n".join([*lines[: seen + 1], *lines[seen:]]) + "\n")
+    assert rules(run) == {"quadruped, event"}
+
+
+def test_a_push_takes_the_robot_where_it_pushes(run: Path) -> None:
+    _every_event(run, 1, lambda one: one.update(push_m=[0.0, -0.9]))
+    assert rules(run) == {"quadruped, event"}
+
+
+def test_only_pushes_move_the_robot(run: Path) -> None:
+    stands = records(run, "event")[1]["stands"]
+    doctored(run, "event", 0, lambda one: one.update(stands=stands))
+    assert "quadruped, event" in rules(run)
+
+
+def test_a_motion_is_not_sent_before_the_delay_is_over(run: Path) -> None:
+    doctored(run, "header", 0, lambda one: one.update(delays_s=[50.0]))
+    assert rules(run) == {"quadruped, time"}
+
+
+@pytest.mark.parametrize(("primitive", "holds"), [("forward sparse->sparse", True), ("left flat->flat", False)])
+def test_the_certificate_of_a_skill_goes_its_way(run: Path, primitive: str, holds: bool) -> None:
+    first = next(one for one in records(run, "segment") if str(one["primitive"]).startswith("forward"))
+    new = {"primitive": primitive, "plan": first["plan"]}
+    doctored(run, "request", 0, lambda one: one["new"].append(new))
+    assert rules(run) == (set() if holds else {"quadruped, skill"})
+
+
+def test_a_plan_on_the_moon_is_refused(run: Path) -> None:
+    _changed_plan(run, 1, lambda plan: plan["values"].update(gravity_mps2=1.62), honest_hash=True)
+    assert any("gravity" in finding.message for finding in verify_path(run).findings)
+
+
 def test_a_library_with_states_of_another_map_is_refused(run: Path) -> None:
     path = run.parent / "library" / "library.json"
     library = json.loads(path.read_text())
@@ -224,7 +283,12 @@ def test_a_library_with_states_of_another_map_is_refused(run: Path) -> None:
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("classes", ["flat", "dense", "sparse"]), ("made_with", {"robot": "chotu"}), ("terrain", {"grid": [5, 5]})],
+    [
+        ("classes", ["flat", "dense", "sparse"]),
+        ("made_with", {"robot": "chotu"}),
+        ("terrain", {"grid": [5, 5]}),
+        ("terrain", {"cell_m": 0.4}),
+    ],
 )
 def test_what_a_library_says_about_its_terrain_is_checked(run: Path, key: str, value: Any) -> None:
     path = run.parent / "library" / "library.json"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -160,6 +161,8 @@ def test_bad_input_is_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "scan.tiff").write_bytes(b"II")
     empty = write_bag(tmp_path / "empty", [])
     bag = write_bag(tmp_path / "bag", [grid_map(np.zeros((2, 2)), 0.1)])
+    rolled = replace(grid_map(np.zeros((2, 2)), 0.1), outer_start_index=2)
+    outside = write_bag(tmp_path / "outside", [rolled])
     (tmp_path / "folder").mkdir()
     (tmp_path / "torn.mcap").write_bytes(b"\x89MCAP0\r\n torn")
     ready: dict[str, Any] = {"resolution_m": 0.1, "height_range_m": (0, 1)}
@@ -190,6 +193,8 @@ def test_bad_input_is_one_sentence(tmp_path: Path) -> None:
         (bag, {"layer": "cost"}, "has no layer 'cost'; there are: elevation"),
         (bag, {"message": 3}, "has 1 messages"),
         (bag, {"resolution_m": 0.1}, "carries its own"),
+        (bag, {"origin_m": (5.0, 5.0)}, "origin: is only allowed for pictures and arrays"),
+        (outside, {}, "2 x 2 cells whose buffer starts at row 2, column 0; that does not fit"),
     ]
     for path, options, said in cases:
         with pytest.raises(InputError) as caught:

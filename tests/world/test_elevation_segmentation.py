@@ -206,3 +206,11 @@ def test_recorded_scans(name: str, cell_m: float, least_m2: float) -> None:
         row = cells.shape[0] - 1 - int(middle[1] / cell_m)
         assert cells[row, column] == CellClass.STEPPABLE
         assert abs(float(np.dot(polygon.normal, middle)) - polygon.offset_m) < 1e-9
+
+
+def test_a_mesh_of_bars_over_nothing_gets_no_strip_through_its_holes() -> None:
+    x, y = np.meshgrid((np.arange(150) + 0.5) * 0.02, (np.arange(60) + 0.5) * 0.02)
+    mesh = np.where((x % 0.2 < 0.04) | (y % 0.2 < 0.04), 0.0, np.nan)
+    terrain = segment_terrain(elevation_map(mesh, 0.02), SegmentOptions(keep_narrow=True))
+    assert terrain.narrow == ()
+    assert all(polygon.region >= 0 for polygon in terrain.polygons)

@@ -27,7 +27,7 @@ def solve(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="The plan file to write.")] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="A picture (PNG) to draw.")] = None,
     time_limit_s: Annotated[
-        float | None, typer.Option("--time-limit", min=1e-3, help="Overrides the file's, in seconds.")
+        float | None, typer.Option("--time-limit", min=1e-3, max=86400, help="Overrides the file's, in seconds.")
     ] = None,
     moved: Annotated[
         bool, typer.Option("--retarget", help="Move the goal to the nearest feasible stance first.")

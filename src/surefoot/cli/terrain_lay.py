@@ -76,7 +76,8 @@ def lay(
 
         draw_quadruped_terrain(terrain, plot)
     files = [str(file) for file in (output, plot) if file is not None]
-    _say(laid, blocked, {"lattices_measured": tried, "time_s": taken}, files, as_json=as_json)
+    given = start is not None and goal is not None
+    _say(laid, blocked, {"lattices_measured": tried, "time_s": taken}, files, given=given, as_json=as_json)
 
 
 def _laid(
@@ -92,10 +93,13 @@ def _laid(
     from dataclasses import replace
 
     from surefoot.compute import sha256_of
+    from surefoot.errors import InputError
     from surefoot.skills.laying import Wish, lay_cells
     from surefoot.skills.quadruped_terrain import Laid
     from surefoot.skills.segmented import read_segmented
 
+    if yaw_deg is not None and not math.isfinite(yaw_deg):
+        raise InputError("needs a finite number of degrees", key="--yaw")
     ground = read_segmented(scan)
     sets = tuple(_set(name) for name in classes or ("unstructured-8", "stairs"))
     wish = Wish(
@@ -122,7 +126,9 @@ def _set(name: str) -> ClassSet:
     return class_set_of(name)
 
 
-def _say(laid: Lay, blocked: tuple[Barrier, ...], measured: dict[str, Any], files: list[str], *, as_json: bool) -> None:
+def _say(
+    laid: Lay, blocked: tuple[Barrier, ...], measured: dict[str, Any], files: list[str], *, given: bool, as_json: bool
+) -> None:
     from surefoot.cli.obstacle_words import barrier_lines, obstacle_lines, obstacles_of
 
     terrain = laid.terrain
@@ -147,8 +153,20 @@ def _say(laid: Lay, blocked: tuple[Barrier, ...], measured: dict[str, Any], file
     lines = [
         f"{head} from start to goal, on cells of {terrain.cell_m:g} m ({terrain.classes.name})",
         *facts(shown),
+        *([] if given else [_ends(laid)]),
         *barrier_lines(blocked),
         *obstacle_lines(obstacles, len(terrain.measured)),
     ]
     value = {"way": yes, **shown, "blocked_by": blocked, "obstacles": obstacles, "files": files}
     answer(value, lines, yes=yes, as_json=as_json)
+
+
+def _ends(laid: Lay) -> str:
+    """Return how start and goal were chosen, where the user did not give both, and what that leaves out."""
+    part, beside = len(laid.part), len(laid.standing) - len(laid.part)
+    if not part:
+        return "  nobody can stand in any cell, so there is neither start nor goal"
+    if part == 1:
+        return "  there is one cell to stand in, and nowhere to go from it"
+    left = f"; no way was looked for to the other {beside} in which one can stand" if beside else ""
+    return f"  what was not given of start and goal was chosen among the {part} connected cells{left}"

@@ -46,12 +46,18 @@ def problems_of(
         lines: where each place stands in it.
     """
     found: dict[tuple[Loc, str], InputError] = {}
-    for detail in _about_what_was_meant(refused.errors(include_url=False), schema):
+    for detail in _about_what_was_meant(_without_miscounts(refused.errors(include_url=False)), schema):
         for loc, message in _places(detail, schema):
             found.setdefault(
                 (loc, message), InputError(message, source=path, line=_line(loc, lines), key=dotted(loc) or None)
             )
     return list(found.values())
+
+
+def _without_miscounts(details: Sequence[ErrorDetails]) -> list[ErrorDetails]:
+    """Return complaints without those of lists that are too short only because items in them were refused."""
+    outer = {detail["loc"][:size] for detail in details for size in range(len(detail["loc"]))}
+    return [detail for detail in details if detail["type"] != "too_short" or detail["loc"] not in outer]
 
 
 def _about_what_was_meant(details: Sequence[ErrorDetails], schema: Mapping[str, Any]) -> list[ErrorDetails]:
@@ -139,7 +145,10 @@ _SENTENCES: dict[str, Callable[[Mapping[str, Any], object], str]] = {
     "greater_than_equal": _wants("a number not below {ge:g}"),
     "less_than": _wants("a number less than {lt:g}"),
     "less_than_equal": _wants("a number not above {le:g}"),
-    "too_short": lambda context, _: f"needs at least {context['min_length']} item, not {context['actual_length']}",
+    "too_short": lambda context, _: (
+        f"needs at least {context['min_length']} item{'s' if context['min_length'] > 1 else ''}, "
+        f"not {context['actual_length']}"
+    ),
     "too_long": lambda context, _: f"needs at most {context['max_length']} items, not {context['actual_length']}",
     "value_error": lambda context, _: str(context["error"]),
 }

@@ -71,9 +71,9 @@ def retarget(problem: Problem) -> Retargeted:
 
 
 def retargeted(problem: Problem, found: Retargeted) -> Problem:
-    """Return a problem with the goal moved to a pose that was found."""
+    """Return a problem with the goal moved to a pose that was found; it is no longer that of its file."""
     assert found.position_m is not None
-    return replace(problem, goal_m=found.position_m)
+    return replace(problem, goal_m=found.position_m, source=None)
 
 
 def _standing(problem: Problem) -> Problem:

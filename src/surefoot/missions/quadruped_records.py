@@ -8,7 +8,7 @@ from typing import Any
 from surefoot.compute import sha256_of
 from surefoot.footholds import write_plan
 from surefoot.missions.quadruped_crossing import Crossed
-from surefoot.missions.quadruped_events import Event
+from surefoot.missions.quadruped_events import Event, Happening
 from surefoot.missions.quadruped_route import Pose
 from surefoot.missions.quadruped_skills import Handled
 from surefoot.missions.quadruped_stance import Segment, Stance
@@ -17,6 +17,11 @@ from surefoot.missions.run_writer import RunWriter
 from surefoot.skills.values import Cell, CheckResult, Physics, Primitive, TerrainState
 
 PLANS = "plans"
+_HAPPENED = {
+    Happening.OBSTACLE: "an obstacle has appeared",
+    Happening.HOLE: "ground has gone",
+    Happening.PUSH: "the robot finds itself elsewhere",
+}
 
 
 class Log:
@@ -72,7 +77,7 @@ class Log:
         """Write which skills were made before the robot set out."""
         checks = _checks(checked, plans)
         self.write("prepared", **checks)
-        self.say(f"before setting out: {len(checks['asked'])} skills asked for, {len(checks['new'])} made")
+        self.say(f"before setting out: skills made that the way lacks: {len(checks['new'])} of {len(checks['asked'])}")
 
     def segment(
         self,
@@ -138,7 +143,7 @@ class Log:
         """Write what happened to the world, before a segment."""
         stands = None if landed is None else {"cell": landed.cell, "base_m": landed.base_m, "feet_m": landed.feet_m}
         self.write("event", before_segment=segment, event=event.described(), stands=stands)
-        self.say(f"before segment {segment}: {event.what.value}")
+        self.say(f"before segment {segment}: {_HAPPENED[event.what]}")
 
 
 def _checks(

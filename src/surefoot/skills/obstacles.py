@@ -44,7 +44,7 @@ class Excess:
     def text(self) -> str:
         """The measure, its value and its limit in words."""
         words, unit = _WORDS[self.measure]
-        value = "without end" if self.value >= NONE else f"{self.value:.3g}{unit}"
+        value = "without end" if self.value >= NONE else f"{round(self.value, 3):g}{unit}"
         return f"{words} {value}, {self._allowed}"
 
     @property

@@ -16,7 +16,7 @@ from surefoot.verify.footholds_free import cells_problem, refutation_problem
 from surefoot.verify.footholds_problem import differing_keys
 from surefoot.verify.footholds_proof import proved_bound
 from surefoot.verify.footholds_reach import left_to_steps
-from surefoot.verify.footholds_rows import cost, jacobians, references, violations
+from surefoot.verify.footholds_rows import cost, gravity_cost, jacobians, references, violations
 
 RESIDUAL_MAX = 1e-6
 _CLOSE = 1e-6
@@ -96,7 +96,10 @@ def _check_free(plan: FootholdFile, free: dict[str, Any], ledger: Ledger) -> Non
 
 def _check_gait_bound(plan: FootholdFile, kept: Any, ledger: Ledger) -> None:
     claimed = plan.answer.get("bound")
-    if claimed is None or not plan.arrays:
+    if not plan.arrays:
+        return
+    if claimed is None:
+        _check_no_gap(plan, ledger)
         return
     if kept is None:
         ledger.refuse("footholds, bound", "has no multipliers that prove it", "free.bound")
@@ -114,7 +117,10 @@ def _near(claimed: object, found: float) -> bool:
 
 def _check_bound(plan: FootholdFile, ledger: Ledger) -> None:
     claimed = plan.answer.get("bound")
-    if claimed is None or not plan.arrays:
+    if not plan.arrays:
+        return
+    if claimed is None:
+        _check_no_gap(plan, ledger)
         return
     bound, problem = _proved(plan)
     ledger.counts.update(bound=bound if np.isfinite(bound) else None)
@@ -130,6 +136,17 @@ def _check_gap(plan: FootholdFile, bound: float, ledger: Ledger) -> None:
     gap = (objective - bound) / objective
     if not math.isclose(float(plan.answer.get("gap", math.nan)), gap, abs_tol=_CLOSE):
         ledger.refuse("footholds, gap", f"is {gap:.3g}", "answer.gap")
+    net, claimed = objective - gravity_cost(plan), plan.answer.get("net_gap")
+    if claimed is not None and (
+        net <= 0 or not math.isclose(float(claimed) * net, objective - bound, abs_tol=_CLOSE * objective)
+    ):
+        ledger.refuse("footholds, gap", f"is not {claimed} without the gravity cost", "answer.net_gap")
+
+
+def _check_no_gap(plan: FootholdFile, ledger: Ledger) -> None:
+    for key in ("gap", "net_gap"):
+        if plan.answer.get(key) is not None:
+            ledger.refuse("footholds, gap", "needs a bound", f"answer.{key}")
 
 
 def _proved(plan: FootholdFile) -> tuple[float, str]:

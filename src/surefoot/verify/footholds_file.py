@@ -102,6 +102,8 @@ def _read(path: Path, fields: Fields) -> FootholdFile:
     motion = fields.get("motion")
     if motion is not None:
         arrays, polygons, regions = _motion(motion, contacts, steps)
+        _only_indices(polygons, len(values["polygons"]), "polygon")
+        _only_indices(regions, len(values["free_regions"]), "window_regions")
     proof = fields.get("proof")
     free = dict(fields.mapping("free").values) if fields.has("free") and fields.get("free") is not None else None
     problem = checked_file(fields.mapping("problem"), path.parent) if fields.get("problem") is not None else None
@@ -169,3 +171,8 @@ def _motion(
         tuple(int(s["polygon"]) for s in motion["footsteps"]),
         tuple(int(s) for s in motion["window_regions"]),
     )
+
+
+def _only_indices(found: tuple[int, ...], count: int, name: str) -> None:
+    if any(not 0 <= index < count for index in found):
+        raise ValueError(f"{name} has to count from 0 to {count - 1}")

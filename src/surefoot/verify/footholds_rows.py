@@ -258,3 +258,10 @@ def cost(plan: FootholdFile) -> float:
         ("force", a["forces_n"]),
     )
     return float(sum(float(w[name]) * float((deviation**2).sum()) for name, deviation in deviations))
+
+
+def gravity_cost(plan: FootholdFile) -> float:
+    """Return the part of the cost that only holds the weight up, shared by all feet in contact."""
+    held = plan.contacts.sum(axis=1)
+    weight = float(plan.values["robot"]["mass_kg"]) * plan.number("gravity_mps2")
+    return float(plan.values["weights"]["force"]) * weight**2 * float((1.0 / held[held > 0]).sum())

@@ -55,6 +55,7 @@ def _check_heads(ground: MapFile, library: Fields, headings: Headings | None, le
     said = {
         "made_with.classes": (made_with.text("classes"), rules.name),
         "made_with.robot": (made_with.text("robot"), ground.robot),
+        "terrain.cell_m": (library.mapping("terrain").number("cell_m"), ground.cell_m),
         "made_with.cell_m": (made_with.number("cell_m"), ground.cell_m),
         "classes": (library.items("classes"), names),
         "headings": (headings is not None, ground.yaw),

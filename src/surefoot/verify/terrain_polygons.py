@@ -53,6 +53,10 @@ def check_terrain(path: Path, ledger: Ledger) -> None:
     ]
     steepest = options.number("max_slope_deg")
     good = [shape for shape in shapes if shape.check(steepest, ledger)]
+    friction = options.number("friction", least=0.0)
+    for shape in shapes:
+        if shape.friction != friction:
+            ledger.refuse("terrain, friction", "is not that of the options", f"polygons[{shape.number}].friction")
     area_m2 = sum(shape.area_m2() for shape in good)
     if len(good) == len(shapes) and abs(area_m2 - stated.number("area_m2")) > 1e-6 * max(area_m2, 1.0):
         ledger.refuse(
@@ -82,7 +86,7 @@ class _Polygon:
         place = f"{fields.place}.vertices_m"
         named = [Fields({"p": row}, fields.source, place) for row in rows]
         self.points = np.array([row.numbers("p", 3) for row in named], np.float64).reshape(-1, 3)
-        fields.number("friction", least=0.0)
+        self.friction = fields.number("friction", least=0.0)
         self.number = number
         self.region = source.whole("region", least=-1)
         self.normal = np.array(source.numbers("normal", 3))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import shorten
 from typing import Any
 
 import numpy as np
@@ -53,7 +54,7 @@ def draw_plan(document: dict[str, Any], path: Path) -> None:
 def _title(answer: dict[str, Any]) -> str:
     if answer["verdict"] != "feasible":
         why = answer["explanation"]["text"] if answer["explanation"] else answer["limit"] or ""
-        return f"{answer['verdict']}: {why}"[:110]
+        return shorten(f"{answer['verdict']}: {why}", 110, placeholder=" ...")
     return f"feasible, objective {answer['objective']:.1f}, gap {answer['gap']:.1e}"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import Any, Protocol
 
 import numpy as np
@@ -28,6 +29,7 @@ _COLOURS = (style.SKY, style.GREEN, style.YELLOW, style.ORANGE, style.PURPLE, st
 _PAPER = "#f7f7f7"
 _NOTES = 2
 _LARGEST_IN = 30.0
+_TITLE_LETTERS = 32
 Colour = tuple[float, float, float, float]
 _ANSWERS = {Physics.INFEASIBLE: ("#d9d9d9", "infeasible"), Physics.UNKNOWN: (style.VERMILION, "unknown")}
 _GAIT_COLOURS = (style.GREEN, style.SKY, style.BLUE, style.ORANGE, style.PURPLE)
@@ -53,8 +55,8 @@ def draw_quadruped_terrain(terrain: QuadrupedTerrain, path: Path) -> Path:
         for place, marker in ((terrain.start_m, "s"), (terrain.goal_m, "*")):
             if place is not None:
                 left.plot(-place[1], place[0], marker, color=style.BLACK, ms=9, zorder=5)
-        left.set_title(f"{terrain.name}: {len(terrain.polygons)} polygons")
-        right.set_title(f"classes ({terrain.classes.name}), seen from each cell itself")
+        left.set_title(fill(f"{terrain.name}: {len(terrain.polygons)} polygons", _TITLE_LETTERS))
+        right.set_title(fill(f"classes ({terrain.classes.name}), seen from each cell itself", _TITLE_LETTERS))
         colours = class_colours(terrain.classes)
         shown = {label for label, *_ in _labels(terrain)}
         handles += [
@@ -108,7 +110,7 @@ def _draw_labels(axes: Axes, terrain: QuadrupedTerrain, scale: float) -> None:
         axes.text(-y, x + side * 0.08, words, fontsize=6.5 * scale, ha="center", va="center")
     for cell in terrain.measured:
         x, y = terrain.centre_m(cell)
-        looks: dict[str, Any] = {"fontsize": 4.5 * scale, "ha": "center", "va": "center", "color": style.WALL}
+        looks: dict[str, Any] = {"fontsize": 5.2 * scale, "ha": "center", "va": "center"}
         for number, text in enumerate(_notes(terrain, cell)[:_NOTES]):
             axes.text(-y, x - side * (0.22 + 0.13 * number), text, **looks)
 
@@ -119,7 +121,7 @@ def _notes(terrain: QuadrupedTerrain, cell: Cell) -> list[str]:
     if not why:
         return [f"{terrain.measured[cell].height_m:+.2f} m"]
     parts = [(one.measure.partition("_"), min(one.value, NONE)) for one in why]
-    return [f"{name} {value:.3g} {unit}".rstrip() for (name, _, unit), value in parts]
+    return [f"{name} {round(value, 3):g} {unit}".rstrip() for (name, _, unit), value in parts]
 
 
 def _lattice(axes: Axes, terrain: QuadrupedTerrain) -> None:

@@ -145,7 +145,8 @@ def read_elevation(
     if no_data is not None and suffix not in PICTURES:
         raise InputError("is only allowed for pictures", source=path, key="no-data")
     if path.is_dir() or suffix in BAGS:
-        for given, name in ((resolution_m, "resolution"), (height_range_m, "height-range")):
+        elsewhere = None if origin_m == (0.0, 0.0) else origin_m
+        for given, name in ((resolution_m, "resolution"), (height_range_m, "height-range"), (elsewhere, "origin")):
             if given is not None:
                 raise InputError("is only allowed for pictures and arrays; a grid map carries its own", key=name)
         return elevation_bags.read_bag_elevation(path, layer=layer, topic=topic, message=message)

@@ -179,6 +179,9 @@ def _matrix(message: Any, index: int, path: Path) -> NDArray[np.float64]:
     if not by_rows:
         table = table.T
     start = (int(message.outer_start_index), int(message.inner_start_index))
+    if start[0] >= rows or start[1] >= columns:
+        what = f"has a grid map of {rows} x {columns} cells whose buffer starts at row {start[0]}, column {start[1]}"
+        raise InputError(f"{what}; that does not fit", source=path)
     return np.roll(table, (-start[0], -start[1]), axis=(0, 1))
 
 

@@ -19,6 +19,7 @@ from surefoot.world.elevation import ElevationMap
 Flags = NDArray[np.bool_]
 _LEAST_RISE_M = 0.03
 _LEAST_LENGTH_M = 0.08
+_LEAST_ON_LINE = 0.9
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +74,8 @@ def find_narrow_things(
         if mask.sum() * cell_m < _LEAST_LENGTH_M:
             continue
         thing = _measured(elevation, mask, place, rise[place])
-        if thing.length_m >= _LEAST_LENGTH_M and thing.length_m >= 2 * thing.width_m:
+        straight = thing.length_m >= _LEAST_LENGTH_M and thing.length_m >= 2 * thing.width_m
+        if straight and _lies_on(thing, elevation, mask, place):
             found.append(thing)
             covered[place] |= mask
     return tuple(sorted(found, key=lambda thing: -thing.length_m)), covered
@@ -106,3 +108,14 @@ def _measured(
         length_m,
         float(np.median(lift[lift < 5.0]) if (lift < 5.0).any() else lift.min()),
     )
+
+
+def _lies_on(thing: NarrowThing, elevation: ElevationMap, mask: Flags, place: tuple[slice, slice]) -> bool:
+    """Return whether the centre line lies on the thing: that of a mesh or of a bent thing leads through the air."""
+    count = max(2, math.ceil(2 * thing.length_m / elevation.resolution_m))
+    line = np.linspace(thing.start_m[:2], thing.end_m[:2], count)
+    east, north = ((line - elevation.origin_m) // elevation.resolution_m).astype(np.int64).T
+    rows, columns = elevation.height_m.shape[0] - 1 - north - place[0].start, east - place[1].start
+    inside = (rows >= 0) & (rows < mask.shape[0]) & (columns >= 0) & (columns < mask.shape[1])
+    on = mask[rows[inside], columns[inside]].sum() / count
+    return bool(on >= _LEAST_ON_LINE)
