@@ -263,6 +263,16 @@ def test_grids_enclose_quadratics(square: list[float], along: float, across: flo
     assert at_nodes[:-1].min() <= weight * float(point @ point) + float(tilt @ point) + 1e-9
 
 
+def test_no_bound_is_claimed_that_the_checker_could_not_derive(tmp_path: Path) -> None:
+    short = replace(leap(), options=replace(leap().options, cell_s=0.05, min_dwell_cells=1))
+    solution = solve(short)
+    assert solution.bound is None
+    assert solution.gap is None
+    assert any("no bound over all gaits is claimed" in note for note in solution.notes)
+    write_plan(tmp_path / "plan.json", short, solution)
+    assert not checked(tmp_path / "plan.json").kept
+
+
 def test_is_deterministic() -> None:
     first, second = solve(leap()), solve(leap())
     assert first.objective == second.objective

@@ -109,8 +109,8 @@ def _lines(solution: Solution) -> list[str]:
     if solution.plan is not None:
         shown = {
             "objective": solution.objective,
-            "bound": solution.bound if solution.bound is not None else "none",
-            "gap": solution.gap,
+            "bound": "none" if solution.bound is None else solution.bound,
+            "gap": "none" if solution.gap is None else solution.gap,
             "gap without gravity": "none" if solution.net_gap is None else solution.net_gap,
             "worst residual": solution.max_residual,
         }

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.footholds.ascent import Ascent, even_prices, repriced
-from surefoot.footholds.cells import Cells
+from surefoot.footholds.cells import Cells, cell_samples
 from surefoot.footholds.dual import Priced, Pricing
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.sharing import Prices
+from surefoot.footholds.swings import swing_of
 from surefoot.footholds.tube import tube_below
 
 _GUIDE_BOXES, _BOXES = 32, 48
@@ -20,6 +21,7 @@ _FIRST_STEPS = 150
 _SPLIT = 0.7
 _MARGIN = 4e-3
 _CHEAPER = 0.995
+_FINEST_M, _PART = 0.04, 0.015
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,7 +29,7 @@ class GaitProof:
     """What proves a bound over all gaits: no plan costs less than ``bound``.
 
     Attributes:
-        bound: without the cost of the orientation.
+        bound: without the cost of the orientation; minus infinity where a checker could not derive it.
         prices: multipliers; within the tube, if there is one.
         first: multipliers that prove the tube, for plans that cost less than ``worth``; None: there is no tube.
         worth: infinite without a tube.
@@ -52,6 +54,7 @@ class Bounding:
         self.ascent = Ascent(self.guide, even_prices(problem))
         self.round, self.begun = min(max(_ROUND // self.guide.count**2, _SHORTEST), _LONGEST), False
         self.first: tuple[Prices, Priced] | None = None
+        self.landing = _landing(problem)
         self.worth = np.inf
         self.proof = self._proved(even_prices(problem))
 
@@ -99,6 +102,18 @@ class Bounding:
         """Return what prices prove; a little is left to checkers who cut the ground otherwise."""
         if self.first is None:
             bound = self.free.at(prices).bound
-            return GaitProof(bound - _MARGIN * abs(bound), prices)
+            return GaitProof(self._checkable(bound - _MARGIN * abs(bound)), prices)
         bound = self.confined.at(prices).bound
-        return GaitProof(min(bound - _MARGIN * abs(bound), self.worth), prices, self.first[0], self.worth)
+        bound = min(bound - _MARGIN * abs(bound), self.worth)
+        return GaitProof(self._checkable(bound), prices, self.first[0], self.worth)
+
+    def _checkable(self, bound: float) -> float:
+        """Return a bound that nodes of a grid can derive as well, else minus infinity."""
+        return bound if self.landing <= _PART * bound else -np.inf
+
+
+def _landing(problem: Problem) -> float:
+    """Return what a grid of 4 cm takes off for one landing of the shortest swing, whose curvature is the largest."""
+    shortest = problem.options.min_dwell_cells * cell_samples(problem)
+    swing = swing_of(shortest, problem.step_s, problem.weights.foot, problem.weights.foot_acceleration)
+    return float(np.trace(swing.ends)) * _FINEST_M**2 / 4

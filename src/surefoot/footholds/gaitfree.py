@@ -227,8 +227,19 @@ class _Search:
             solve_ms=self.elapsed_s() * 1e3,
             solve_cpu_ms=(time.process_time() - self.begin_cpu) * 1e3,
             limit=self.limit,
+            notes=(*best.notes, *self.doubts()),
             proof=None,
             free=replace(self.answer(), turning=() if turned is None else tuple(turning_multipliers(turned))),
+        )
+
+    def doubts(self) -> tuple[str, ...]:
+        """Return why no bound is claimed, if none is."""
+        if self.bounding is None or np.isfinite(self.bound):
+            return ()
+        shortest_s = self.problem.options.min_dwell_cells * self.problem.options.cell_s
+        return (
+            f"no bound over all gaits is claimed: with swings of {shortest_s:g} s it is too loose to be checked; "
+            "options.cell_s or options.min_dwell_cells may be larger",
         )
 
     def negative(self, decided: Decided) -> Solution:
