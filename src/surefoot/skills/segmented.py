@@ -38,7 +38,7 @@ def read_segmented(path: Path) -> Scan:
     Raises:
         InputError: it cannot be read, is no such file, or a polygon is none.
     """
-    document = read_json_object(path, _LARGEST_BYTES)
+    document = read_json_object(path, _LARGEST_BYTES, hint="give what `surefoot terrain segment` wrote")
     if document.get("kind") != "terrain" or document.get("format") != 1:
         raise InputError("is no terrain of `surefoot terrain segment`, format 1", source=path, key="kind")
     given = document.get("polygons")
