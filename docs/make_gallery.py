@@ -29,31 +29,6 @@ FLAGS = (
     "--headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader "
     "--disable-background-networking"
 )
-TANK = """[INPUT]
-rain
-
-[OUTPUT]
-level: 0...7
-drain
-
-[SYS_INIT]
-level = 3
-! drain
-
-[SYS_TRANS]
-(rain' & ! drain') -> (level' = level+1)
-(! rain' & ! drain') -> (level' = level)
-drain' -> (level'+1 = level)
-(level' >= 1)
-(level' <= 6)
-
-[SYS_LIVENESS]
-level = 2
-level = 5
-
-[ENV_LIVENESS]
-rain
-"""
 
 
 def keep(picture: Path, name: str) -> None:
@@ -77,7 +52,7 @@ def mission(work: Path) -> dict[str, object]:
     from surefoot.missions.biped import run_mission
     from surefoot.missions.planning import plan_mission
     from surefoot.viewer import view_answers, view_plan, view_run
-    from surefoot.viewer.answers import Asked
+    from surefoot.viewer.maps.answers import Asked
 
     scene, plan, run = SCENES / "two_rooms_mission.yaml", work / "plan", work / "run"
     plan_mission(scene, plan)
@@ -112,8 +87,8 @@ def regions(work: Path) -> dict[str, object]:
     """Synthesise the regions of a step, and draw them."""
     from surefoot.reach import load_region
     from surefoot.reach.winning_sets import KeyframeStep, initial_winning_set
-    from surefoot.viewer.omegas import draw_omegas
-    from surefoot.viewer.regions import draw_all
+    from surefoot.viewer.steps.omegas import draw_omegas
+    from surefoot.viewer.steps.regions import draw_all
 
     command("reach --step-length 0.52 --apex-velocity 0.45 0.7 --disturbance rate --save", work / "step")
     region = load_region(work / "step.json")
@@ -148,7 +123,7 @@ def quadruped(work: Path) -> dict[str, object]:
     from surefoot.missions.bench_campaign import Campaign
     from surefoot.missions.bench_quadruped import measure
     from surefoot.missions.bench_tables import nearest_rows, turned_rows
-    from surefoot.viewer.quadruped_ways import draw_ways
+    from surefoot.viewer.studies.quadruped import draw_ways
 
     campaign = Campaign(work / "campaign", ("rebar-7",), range(QUADRUPED_SEEDS))
     found = measure(campaign)
@@ -176,7 +151,7 @@ def quadruped(work: Path) -> dict[str, object]:
 def classes(work: Path) -> None:
     """Draw terrain classes."""
     from surefoot.skills.classes import class_set
-    from surefoot.viewer.skills_terrain import draw_classes
+    from surefoot.viewer.terrain.classes import draw_classes
 
     keep(draw_classes(class_set("unstructured-8"), work / "classes.png"), "skills_classes")
 
@@ -208,8 +183,7 @@ def photographs(work: Path) -> None:
     """Photograph the pages of the runs, the foothold plan and the strategies, and the live views."""
     from surefoot.viewer import view_page
 
-    (work / "tank.structuredslugs").write_text(TANK, "utf-8")
-    command(f"synth {work / 'tank.structuredslugs'} -o", work / "tank.json")
+    command(f"synth {SCENES / 'specifications' / 'tank.structuredslugs'} -o", work / "tank.json")
     pages = {
         "page_walk": (view_page(work / "walk", work / "walk.html"), "follow", 6.0),
         "page_specification": (view_page(work / "tank.json", work / "tank.html"), None, 0.0),
@@ -246,10 +220,10 @@ def photographs(work: Path) -> None:
 
 def live(page: Any, work: Path) -> None:
     """Photograph live views: of a walk of which half is logged, and of a strategy."""
-    from surefoot.viewer.live import serving
-    from surefoot.viewer.live_strategy import StrategyView
-    from surefoot.viewer.page import HOST, server
-    from surefoot.viewer.strategy_choices import Question
+    from surefoot.viewer.browser.page import HOST, server
+    from surefoot.viewer.live.strategy import StrategyView
+    from surefoot.viewer.live.strategy_choices import Question
+    from surefoot.viewer.live.view import serving
 
     log = work / "walk" / "run.jsonl"
     lines = log.read_text("utf-8").splitlines(keepends=True)

@@ -7,9 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from typer.testing import CliRunner
-
-from surefoot.cli.commands import app
+from calling import surefoot
 
 HEAD = """format: 1
 kind: quadruped-terrain
@@ -38,14 +36,6 @@ def write_field(path: Path) -> Path:
     ]
     path.write_text(HEAD + "\n".join(lines) + "\n")
     return path
-
-
-def surefoot(*arguments: object) -> tuple[int, str]:
-    """Run a command; return exit code and standard output."""
-    found = CliRunner().invoke(app, [str(one) for one in arguments])
-    if found.exception is not None and not isinstance(found.exception, SystemExit):
-        raise found.exception
-    return found.exit_code, found.stdout
 
 
 def make_field(folder: Path) -> Path:

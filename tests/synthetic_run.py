@@ -31,7 +31,6 @@ sensor: {{range_m: 10.82}}
 belief_regions: [{{rectangles_m: [[{CELL_M}, {CELL_M}, {3 * CELL_M}, {2 * CELL_M}]]}}]
 """
 FREE = [[row, column] for row, line in enumerate(ROWS) for column, sign in enumerate(line) if sign == "."]
-NAMES = {0.0: "east", 1.0: "north", 2.0: "west", 3.0: "south"}
 
 
 def write_scene(folder: Path, more: str = "") -> Path:

@@ -103,15 +103,21 @@ def each_answer(
             yield index, None
 
 
-def check_writable(path: Path) -> None:
+def check_writable(path: Path, suffixes: Sequence[str] = ()) -> None:
     """Refuse, before long work, a file that could not be written after it; nothing is made.
 
+    Args:
+        path: of the file.
+        suffixes: one of which its name has to end with; empty where any will do.
+
     Raises:
-        InputError: if it is a folder, or its folder cannot be written to or made.
+        InputError: if it is a folder, has another suffix, or its folder cannot be written to or made.
     """
-    there = next(parent for parent in path.resolve().parents if parent.exists())
+    if suffixes and path.suffix.lower() not in suffixes and not path.is_dir():
+        raise InputError(f"has to end with {' or '.join(suffixes)}", source=path)
     if path.is_dir():
         raise InputError("is a folder; name a file", source=path)
+    there = next(parent for parent in path.resolve().parents if parent.exists())
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
         raise InputError(f"cannot be written: {there} is no folder that you may write to", source=path)
 
@@ -122,7 +128,12 @@ def written_whole(path: Path) -> Iterator[IO[bytes]]:
 
     Args:
         path: where the artefact belongs; its folder is made if it is missing.
+
+    Raises:
+        InputError: if it is a folder, or cannot be written.
     """
+    if path.is_dir():
+        raise InputError("is a folder; name a file", source=path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")

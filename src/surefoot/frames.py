@@ -1,10 +1,8 @@
 """Frames and headings, the conventions of the whole package.
 
-*World* is the frame of the map: x east, y north, z up, metres (ROS map_server). The *grid* frame is the world
-shifted to
-the grid's origin and turned by its rotation; east, north, west and south are meant in the grid frame. Cells are
-counted by
-(row, column), row 0 in the north and column 0 in the west, as in a picture. Yaw runs counter-clockwise from east;
+*World* is the frame of the map: x east, y north, z up, metres (ROS map_server). The *grid* frame is the world shifted
+to the grid's origin and turned by its rotation; east, north, west and south are meant in the grid frame. Cells count
+by (row, column), row 0 in the north and column 0 in the west, as in a picture. Yaw runs counter-clockwise from east;
 *headings* are whole numbers that run clockwise from north, because that is how the games count them.
 """
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
 from surefoot.cli import main
+from surefoot.missions.quadruped import QuadrupedAnswer
 from synthetic_run import write_run
 
 DOCS = Path(__file__).parents[2] / "docs" / "answers.md"
@@ -37,6 +39,10 @@ def test_the_keys_of_plan_run_and_verify(scenes: Path, tmp_path: Path, capsys: p
     assert set(printed(["run", scenario, "--plan", plan, "--steps", "3", "-o", run], capsys)) == documented("run")
     of_strategies = {"holds", "checked_states", "violation"}
     assert set(printed(["verify", run], capsys)) == documented("verify") - of_strategies
+
+
+def test_the_keys_of_a_run_of_a_quadruped() -> None:
+    assert {one.name for one in fields(QuadrupedAnswer)} == documented("Run")
 
 
 def test_the_keys_of_synth_explain_simulate_and_verify(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -167,7 +167,7 @@ def test_exports(tmp_path: Path, capsys: Capture, name: str, begins: str) -> Non
     assert other.read_text() == text
 
 
-def test_a_ranking_is_saved_verified_played_and_not_exported(
+def test_a_ranking_is_saved_verified_played_and_exported(
     tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, text = str(tmp_path / "r.json"), "[INPUT]\na\n[OUTPUT]\nx:0...3\n[ENV_INIT]\n!a\n[SYS_LIVENESS]\nx = 3 & a\n"
@@ -182,7 +182,24 @@ def test_a_ranking_is_saved_verified_played_and_not_exported(
     typed = answered(["simulate", path, "--typed"], capsys)
     assert [step["values"]["a"] for step in typed["steps"]] == [0, 1]
     assert typed["ended"] == "no more moves were typed"
-    assert "--strategy listed" in answered(["export", path, "--format", "dot"], capsys, code=2)["error"]
+    assert answered(["export", path, "--format", "dot"], capsys)["text"].startswith("digraph")
+    assert answered(["view", path, "--html", str(tmp_path / "r.html")], capsys)["page"].endswith("r.html")
+    assert "a strategy of the" in (tmp_path / "r.html").read_text()
+
+
+def test_a_ranking_of_many_moves_shows_its_layers(tmp_path: Path, capsys: Capture) -> None:
+    path, page = str(tmp_path / "r.json"), tmp_path / "r.html"
+    text = "[INPUT]\nx:0...200\n[OUTPUT]\ny:0...200\n[SYS_TRANS]\ny' = x'\n[SYS_LIVENESS]\ny < 100 & x > 2\n"
+    text += "[ENV_LIVENESS]\nx < 100 & x > 2\n"
+    answered(["synth", spec(tmp_path, text), "--strategy", "ranking", "-o", path], capsys)
+    answered(["view", path, "--html", str(page)], capsys)
+    shown = page.read_text()
+    assert "Winning states: 40,401 of 40,401." in shown
+    assert "y &lt; 100 &amp; x &gt; 2" in shown
+    assert shown.count("<tr><td>") > 60
+    error = answered(["export", path, "--format", "dot"], capsys, code=2)["error"]
+    assert "more than 30000 moves" in error
+    assert "--strategy listed" in error
 
 
 def test_a_damaged_strategy_is_refused_with_exit_code_1(tmp_path: Path, capsys: Capture) -> None:

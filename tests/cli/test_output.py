@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.cli.output import facts, jsonable
@@ -36,6 +36,7 @@ def test_numbers_of_numpy_become_plain() -> None:
 leaves = st.none() | st.booleans() | st.integers() | st.floats() | st.text()
 
 
+@settings(deadline=None)
 @given(st.recursive(leaves, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner), max_leaves=20))
 def test_whatever_it_is_json_takes_it(value: object) -> None:
     json.loads(json.dumps(jsonable(value), allow_nan=False))

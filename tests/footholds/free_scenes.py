@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
+from pathlib import Path
 
 import numpy as np
 
 from surefoot.footholds import FreeGait, Options, Problem
 from surefoot.footholds.free_families import free_problem_of
+from surefoot.verify.findings import Ledger
+from surefoot.verify.footholds import check_footholds
 
 
 def leap() -> Problem:
@@ -23,3 +27,22 @@ def tiny(goal_x_m: float, cells: int = 5) -> Problem:
     options = Options(cell_s=0.2, gap=1e-4, time_limit_s=60.0, clearance_m=0.02)
     goal = np.array([goal_x_m, 0.0, 0.29])
     return replace(problem, gait=FreeGait(0.2 * cells), step_s=0.1, goal_m=goal, options=options)
+
+
+def checked(path: Path) -> Ledger:
+    """Return what the checker says to a plan file."""
+    ledger = Ledger()
+    check_footholds(path, ledger)
+    return ledger
+
+
+def every_table(cells: int) -> list[np.ndarray]:
+    """Return all contact tables in which the two front and the two hind feet move together."""
+    inner = cells - 2
+    found = []
+    for front, hind in product(product((True, False), repeat=inner), repeat=2):
+        table = np.ones((cells, 4), dtype=bool)
+        table[1:-1, :2] = np.array(front)[:, None]
+        table[1:-1, 2:] = np.array(hind)[:, None]
+        found.append(table)
+    return found

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from surefoot.cli import main
+from calling import run
 
 PROBLEM = """\
 format: 1
@@ -18,14 +18,6 @@ polygons:
   - {vertices_m: [[-1, -1, 0], [0.3, -1, 0], [0.3, 1, 0], [-1, 1, 0]]}
   - {vertices_m: [[0.35, -1, 0], [2, -1, 0], [2, 1, 0], [0.35, 1, 0]]}
 """
-
-
-def run(*arguments: str) -> int:
-    try:
-        code = main(list(arguments))
-    except SystemExit as leaving:
-        code = leaving.code  # type: ignore[assignment]
-    return int(code or 0)
 
 
 def write(folder: Path, goal: float) -> Path:
@@ -80,3 +72,89 @@ def test_bad_input_is_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture
 def test_prints_the_schema(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("footholds", "schema", "--json") == 0
     assert json.loads(capsys.readouterr().out)["title"].startswith("Surefoot foothold problem")
+
+
+def test_a_gait_that_only_falls_is_refuted_with_a_reason(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, plan = write(tmp_path, 0.3), tmp_path / "falls.json"
+    path.write_text(path.read_text().replace("trot-1s", "{modes: [FLY], switching_times_s: [0, 1]}"))
+    assert run("footholds", "solve", str(path), "-o", str(plan)) == 1
+    assert "the base falls" in capsys.readouterr().out
+    assert run("verify", str(plan)) == 0
+
+
+def test_one_push_from_the_ground_is_judged_by_where_it_leads(tmp_path: Path) -> None:
+    path, plan = write(tmp_path, 0.3), tmp_path / "hop.json"
+    gait = "{modes: [FLY, STANCE, FLY], switching_times_s: [0, 0.45, 0.5, 1]}"
+    path.write_text(path.read_text().replace("trot-1s", gait))
+    assert run("footholds", "solve", str(path), "-o", str(plan)) == 1
+    assert run("verify", str(plan)) == 0
+
+
+def test_a_motion_is_not_called_a_fall(tmp_path: Path) -> None:
+    plan = tmp_path / "claimed.json"
+    assert run("footholds", "solve", str(write(tmp_path, 0.3)), "-o", str(plan)) == 0
+    document = json.loads(plan.read_text())
+    document["answer"]["verdict"] = "infeasible"
+    plan.write_text(json.dumps(document))
+    assert run("verify", str(plan)) == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("gait: trot-1s", "gait: 3", "gait: needs text, or a mapping with keys among modes, switching_times_s; not 3"),
+        ("gait: trot-1s", "gait: free\nhorizon_s: 1\noptions: {min_dwell_cells: 9}", "is 9; allowed are 1 to 8"),
+        ("format: 1", "format: true", "format: needs 1, not true"),
+    ],
+)
+def test_what_does_not_fit_is_refused_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, says: str
+) -> None:
+    path = write(tmp_path, 0.3)
+    path.write_text(path.read_text().replace(old, new))
+    assert run("footholds", "solve", str(path)) == 2
+    error = capsys.readouterr().err
+    assert says in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "says"),
+    [
+        ("-o", ".", ".: is a folder; name a file"),
+        ("--gait", ".", ".: is a folder; name a file"),
+        ("--plot", "plan.jpeg", "plan.jpeg: has to end with .png"),
+        ("--plot", "", ".: is a folder; name a file"),
+    ],
+)
+def test_files_are_looked_at_before_any_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], option: str, name: str, says: str
+) -> None:
+    assert run("footholds", "solve", str(tmp_path / "none.yaml"), option, name) == 2
+    assert capsys.readouterr().err == f"error: {says}\n"
+
+
+def test_an_animation_is_a_gif(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("footholds", "animate", str(tmp_path / "none.json"), "-o", "film.mp4") == 2
+    assert "film.mp4: has to end with .gif" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("goal", "ground", "says"),
+    [
+        ("[5, 0, 0.29]", "", "no polygon is within reach, wherever the base may be moved to: front left by 288 cm"),
+        ("[0.6, 0, 0.6], rpy_rad: [0, -0.8, 0]", "slope", "or without friction"),
+    ],
+)
+def test_retargeting_says_why_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], goal: str, ground: str, says: str
+) -> None:
+    path = write(tmp_path, 0.3)
+    text = path.read_text().replace("[0.3, 0, 0.29]", goal)
+    if ground:
+        text += "  - {vertices_m: [[0, -1, 0], [2, -1, 2], [2, 1, 2], [0, 1, 0]]}\n"
+    path.write_text(text)
+    assert run("footholds", "retarget", str(path)) == 1
+    assert says in capsys.readouterr().out
+    assert run("footholds", "retarget", str(path), "--json") == 1
+    assert says in json.loads(capsys.readouterr().out)["reason"]

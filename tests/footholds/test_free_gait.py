@@ -6,38 +6,27 @@ import json
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from free_scenes import leap, tiny
-from hypothesis import given, settings
+from free_scenes import checked, leap, tiny
+from hypothesis import given
 from hypothesis import strategies as st
 
 from surefoot.errors import BackendMissing, InputError, SurefootError
 from surefoot.footholds import FreeGait, read_problem, solve, solve_with_gaits, write_plan
-from surefoot.footholds.ascent import even_prices, repriced
-from surefoot.footholds.bounding import Bounding
 from surefoot.footholds.cells import cell_count, fixed, gait_of, obeys
 from surefoot.footholds.decide import decided_exactly
-from surefoot.footholds.dual import Pricing
 from surefoot.footholds.free_families import FREE_FAMILIES, free_problem_of
 from surefoot.footholds.free_form import free_form, reach_boxes
 from surefoot.footholds.gaits import contact_table, gait_text, read_gait
 from surefoot.footholds.moves import proposal
-from surefoot.footholds.sharing import Prices, contact_prices, left_over, savings
 from surefoot.footholds.skeleton import skeleton
-from surefoot.footholds.solve import Solution
 from surefoot.footholds.solvers import HighsSolver, run_highs, solver_of
 from surefoot.footholds.templates import first_templates, templates
 from surefoot.footholds.terrain import polygon
-from surefoot.footholds.tube import reachable, tube_below
-from surefoot.verify.findings import Ledger
-from surefoot.verify.footholds import check_footholds
-from surefoot.verify.footholds_grid import grid_of
-from surefoot.verify.footholds_rows import Surface
 
 GOOD = """\
 format: 1
@@ -53,12 +42,6 @@ polygons:
 TABLES = st.lists(st.tuples(*[st.booleans()] * 4), min_size=1, max_size=8).map(
     lambda rows: np.array([[True] * 4, *rows, [True] * 4])
 )
-
-
-def checked(path: Path) -> Ledger:
-    ledger = Ledger()
-    check_footholds(path, ledger)
-    return ledger
 
 
 @given(TABLES)
@@ -178,9 +161,9 @@ def _with_bound(document: dict[str, Any], factor: float) -> None:
     ("doctor", "says"),
     [
         (lambda file: _with_bound(file, 1.03), "the multipliers give"),
-        (lambda file: file["free"]["bound"].update(pull=[[0.0, 0.0, 0.0]] * 40), "the multipliers give"),
-        (lambda file: file["free"]["bound"]["reach"].append([20, 0, 2, 0, 9e4]), "the multipliers give"),
-        (lambda file: file["free"]["bound"].update(contact=[0.0] * 10), "the multipliers give"),
+        (lambda file: file["free"]["bound"]["first"].update(pull=[[0.0, 0.0, 0.0]] * 40), "the multipliers give"),
+        (lambda file: file["free"]["bound"]["first"]["reach"].append([20, 0, 2, 0, 9e4]), "the multipliers give"),
+        (lambda file: file["free"]["bound"]["first"].update(contact=[0.0] * 10), "the multipliers give"),
         (lambda file: file["free"].update(bound=None), "has no multipliers"),
         (lambda file: file["answer"].update(gap=0.01), "is 0."),
     ],
@@ -192,75 +175,6 @@ def test_the_checker_refuses_doctored_bounds(
     doctor(document)
     (tmp_path / "broken.json").write_text(json.dumps(document))
     assert any(says in finding.message for finding in checked(tmp_path / "broken.json").kept)
-
-
-@pytest.fixture(scope="module")
-def confined(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a plan whose bound holds for a base within a tube, which other prices prove."""
-    problem = leap()
-    solution = solve(problem)
-    assert solution.free is not None
-    assert solution.objective is not None
-    bounding = Bounding(problem)
-    for _ in range(2):
-        bounding.climb(solution.objective, lambda: False)
-    proof = bounding.proof
-    assert proof.first is not None
-    assert proof.worth == solution.objective
-    path = tmp_path_factory.mktemp("confined") / "plan.json"
-    gap = (solution.objective - proof.bound) / solution.objective
-    free = replace(solution.free, proof=proof)
-    write_plan(path, problem, replace(solution, bound=proof.bound, gap=gap, net_gap=None, free=free))
-    return path
-
-
-def test_the_checker_derives_the_bound_within_a_tube(confined: Path) -> None:
-    ledger = checked(confined)
-    assert not ledger.kept
-    claimed = json.loads(confined.read_text())["answer"]["bound"]
-    assert claimed * (1 - 1e-6) <= ledger.counts["bound"] < 1.02 * claimed
-
-
-@pytest.mark.parametrize(
-    "doctor",
-    [
-        lambda bound: bound["tube"].update(worth=0.5 * bound["tube"]["worth"]),
-        lambda bound: bound.update(contact=[4 * one for one in bound["contact"]]),
-        lambda bound: bound.update(split=0.0),
-        lambda bound: (
-            bound["tube"].update(pull=[[0.0, 0.0, 0.0]] * 40, worth=1e9) or bound.update(pull=[[0.0] * 3] * 40)
-        ),
-    ],
-)
-def test_the_checker_refuses_doctored_tubes(
-    confined: Path, tmp_path: Path, doctor: Callable[[dict[str, Any]], None]
-) -> None:
-    document = json.loads(confined.read_text())
-    doctor(document["free"]["bound"])
-    (tmp_path / "broken.json").write_text(json.dumps(document))
-    assert any("the multipliers give" in finding.message for finding in checked(tmp_path / "broken.json").kept)
-
-
-@given(
-    st.lists(st.floats(-0.3, 0.9), min_size=6, max_size=6),
-    st.floats(0.0, 1.0),
-    st.floats(0.0, 1.0),
-    st.integers(0, 3),
-)
-@settings(max_examples=30)
-def test_grids_enclose_quadratics(square: list[float], along: float, across: float, side: int) -> None:
-    """The least over the nodes, less what they may spread, is below the value of any point of the polygon."""
-    corners = np.array([[0.0, 0.0, 0.0], [0.9, 0.2, 0.1], [0.8, 0.9, 0.1], [-0.1, 0.7, 0.0]])
-    surface = Surface(corners, 0.6)
-    grid = grid_of([surface], np.array([[0.1 * side, 0.3, 0.0]]), np.zeros(3), 0.1)
-    a, b, _, d = surface.corners
-    mixed = a + along * (b - a) + across * (d - a)
-    point = mixed - ((mixed - a) @ surface.normal) * surface.normal
-    if surface.outside(point) > 0:
-        return
-    weight, tilt = 50.0, 40 * np.array(square[:3])
-    at_nodes = weight * ((grid.points**2).sum(axis=1) - grid.spread) + grid.points @ tilt
-    assert at_nodes[:-1].min() <= weight * float(point @ point) + float(tilt @ point) + 1e-9
 
 
 def test_no_bound_is_claimed_that_the_checker_could_not_derive(tmp_path: Path) -> None:
@@ -307,84 +221,6 @@ def test_refutes_the_hopeless_and_the_checker_agrees(tmp_path: Path, seed: int) 
     document["values"]["polygons"][0] = {"vertices_m": square, "friction": 0.6}
     (tmp_path / "false.json").write_text(json.dumps(document))
     assert checked(tmp_path / "false.json").kept
-
-
-def every_table(cells: int) -> list[np.ndarray]:
-    """Return all contact tables in which the two front and the two hind feet move together."""
-    inner = cells - 2
-    found = []
-    for front, hind in product(product((True, False), repeat=inner), repeat=2):
-        table = np.ones((cells, 4), dtype=bool)
-        table[1:-1, :2] = np.array(front)[:, None]
-        table[1:-1, 2:] = np.array(hind)[:, None]
-        found.append(table)
-    return found
-
-
-@pytest.fixture(scope="module")
-def cheapest_plan() -> Solution:
-    """Return the cheapest plan of an enumeration of gaits."""
-    found = [solve(fixed(tiny(0.25), table), certify=False, why=False) for table in every_table(5)]
-    return min(found, key=lambda one: np.inf if one.objective is None else one.objective)
-
-
-@pytest.mark.parametrize("slack", [1.0001, 1.3, 3.0])
-def test_no_gait_of_an_enumeration_beats_the_bound(cheapest_plan: Solution, slack: float) -> None:
-    """Neither with prices alone, nor within the tube of all plans that cost less than some worth."""
-    assert cheapest_plan.objective is not None
-    bounding = Bounding(tiny(0.25))
-    for _ in range(2):
-        bounding.climb(slack * cheapest_plan.objective, lambda: False)
-        assert bounding.proof.bound <= cheapest_plan.objective
-    assert bounding.proof.first is not None
-    assert bounding.proof.bound > 0.5 * cheapest_plan.objective
-
-
-def test_the_tube_holds_the_cheapest_plan(cheapest_plan: Solution) -> None:
-    problem, plan = tiny(0.25), cheapest_plan.plan
-    assert plan is not None
-    assert cheapest_plan.objective is not None
-    pricing = Pricing(problem, 24)
-    for split in (0.0, 0.7):
-        prices = repriced(pricing, even_prices(problem), split)
-        priced = pricing.at(prices)
-        inverse = pricing.base_hessian(split)[1]
-        tube = tube_below(problem, inverse, priced.base_m, cheapest_plan.objective - priced.bound)
-        assert (plan.base_m >= tube.low_m - 1e-9).all()
-        assert (plan.base_m <= tube.high_m + 1e-9).all()
-        for foot in range(4):
-            here = plan.feet_m[:, foot]
-            standing = plan.forces_n[:, foot].any(axis=1)
-            kept = np.array([reachable(problem, tube, foot, p[None], p[None])[:, 0] for p in here])
-            cells = np.arange(problem.samples) // 2
-            assert kept[np.arange(problem.samples), cells][standing].all()
-
-
-@given(st.floats(0, 4), st.floats(0, 0.95))
-def test_contact_prices_make_a_number_of_feet_best(held: float, split: float) -> None:
-    problem = tiny(0.25)
-    saved = savings(problem, replace(even_prices(problem), split=split))
-    contact = contact_prices(saved, np.full(5, held))
-    least, _ = left_over(saved, contact)
-    low, high = int(np.floor(held)), int(np.ceil(held))
-    assert least <= (contact[:, None] * np.arange(5) - saved).min(axis=1).sum() + 1e-9
-    assert least == pytest.approx((contact * low - saved[:, low]).sum(), abs=1e-6)
-    assert least == pytest.approx((contact * high - saved[:, high]).sum(), abs=1e-6)
-
-
-@settings(max_examples=15, deadline=None)
-@given(st.integers(0, 2**32 - 1))
-def test_any_prices_bound_the_cost_of_a_plan(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    problem = tiny(0.25)
-    reach = rng.normal(size=(problem.samples, 4, 3)) * 10 ** rng.uniform(0, 3)
-    pull = even_prices(problem).pull + rng.normal(size=(problem.samples, 3)) * rng.uniform(0, 3)
-    contact = even_prices(problem).contact * rng.uniform(0, 3, cell_count(problem))
-    prices = Prices(reach, pull, contact, split=float(rng.choice([0.0, rng.uniform(0, 0.99)])))
-    assert Pricing(problem, 16).at(prices).bound <= PLAN_COST * (1 + 1e-9)
-
-
-PLAN_COST = solve(fixed(tiny(0.25), every_table(5)[9]), certify=False, why=False).objective or np.inf
 
 
 @pytest.mark.parametrize("seed", [0, 1])

@@ -11,7 +11,7 @@ import pytest
 from free_scenes import leap, tiny
 
 from surefoot.footholds import solve, write_plan
-from surefoot.footholds.anneal import Annealing, polygons_for
+from surefoot.footholds.anneal import Annealing
 from surefoot.footholds.assembly import Parts
 from surefoot.footholds.cells import cell_count, fixed
 from surefoot.footholds.free_families import free_problem_of
@@ -19,6 +19,7 @@ from surefoot.footholds.model import all_open, cost_of, whole_rows
 from surefoot.footholds.moves import proposal
 from surefoot.footholds.nodes import ReducedProgram
 from surefoot.footholds.solve import cheapest
+from surefoot.footholds.tables import polygons_after
 from surefoot.footholds.templates import first_templates
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds import check_footholds
@@ -96,7 +97,7 @@ def test_polygons_follow_the_feet() -> None:
     walk = Annealing(problem, Parts(problem), iter(()), lambda: False)
     walk.offer(cells, solution.plan.choice, solution.objective or 0.0)
     assert walk.best is not None
-    assert polygons_for(problem, walk.best, cells) == solution.plan.choice
+    assert polygons_after(problem, walk.best, cells) == solution.plan.choice
 
 
 OPTIONS: dict[str, dict[str, Any]] = {

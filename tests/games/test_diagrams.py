@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.errors import InputError, LimitExceeded
-from surefoot.games.diagrams import Backend, Diagrams, diagrams
+from surefoot.games.diagram_backends import diagrams
+from surefoot.games.diagrams import Backend, Diagrams
 
 VARIABLES = 5
 Formula = Any

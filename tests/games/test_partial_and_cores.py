@@ -150,3 +150,27 @@ def test_a_system_that_keeps_the_environment_from_its_justice() -> None:
     text = "[INPUT]\nseen\n[OUTPUT]\nhide\n[ENV_TRANS]\nhide -> !seen'\n"
     text += "[ENV_LIVENESS]\n!seen\nseen\n[SYS_LIVENESS]\nFALSE\n"
     assert kinds(text) == [("falsified_assumption", [9])]
+
+
+def test_a_question_that_gives_up_leaves_the_core_minimal() -> None:
+    """Large pieces are glanced at, and hard ones kept for now; single lines are always decided."""
+    needed, items = {3, 11, 12}, tuple(range(16))
+    asked: list[int] = []
+
+    def glance(kept: tuple[int, ...]) -> bool:
+        asked.append(len(kept))
+        return len(kept) < 9 and needed <= set(kept)
+
+    found = minimal(items, lambda kept: needed <= set(kept), glance)
+    assert set(found) == needed
+    assert asked
+
+
+def test_memories_share_what_they_know_and_keep_no_guesses() -> None:
+    lines = tuple(Conjunct("SYS_TRANS", Constant(True), str(k), k) for k in range(4))
+    memory = Memory(lambda kept: len(kept) > 2)
+    hurried = Memory(lambda kept: None, memory.yes, memory.no)
+    assert not hurried.holds(lines[:3])
+    assert memory.holds(lines[:3])
+    assert hurried.holds(lines[:3])
+    assert (memory.asked, hurried.asked) == (1, 1)

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from quadruped_field import surefoot, write_field
+from calling import surefoot
+from quadruped_field import write_field
 from surefoot.cli import main
 from surefoot.cli.bench_quadruped import quadruped_figures
 from surefoot.errors import InputError

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from quadruped_field import make_field, records, surefoot, walked
+from calling import surefoot
+from quadruped_field import make_field, records, walked
 from surefoot.errors import InputError
 
 KEYS = {
@@ -34,6 +37,7 @@ def test_the_library_meets_the_real_polygons(field: Path, tmp_path: Path) -> Non
     assert answer["verified"], answer["findings"]
     assert answer["transitions"] == 3
     assert answer["contradictions"] == 0
+    assert (answer["repairs"], answer["repair_ms"], answer["prepared_ms"]) == (0, 0, 0)
     assert answer["idle_s"] == 0
     assert {one["source"] for one in records(tmp_path / "run", "request")} == {"library"}
     assert len(list((tmp_path / "run" / "plans").iterdir())) == 3
@@ -54,6 +58,7 @@ def test_without_a_library_the_runtime_repair_finds_what_is_needed(field: Path, 
     assert answer["verified"], answer["findings"]
     assert answer["repairs"] > 0
     assert answer["new_skills"] > 0
+    assert answer["prepared_ms"] > 0
     assert answer["idle_s"] == 0
     new = [skill for one in records(tmp_path / "run", "prepared") for skill in one["new"]]
     assert len(new) == answer["new_skills"]
@@ -96,8 +101,7 @@ def test_ground_that_goes_and_a_push_break_assumptions(field: Path, tmp_path: Pa
 @pytest.mark.parametrize(
     ("event", "why"),
     [
-        ("{at_segment: 1, hole_m: [[-9, -9], [9, 9]]}", "own cell has become an obstacle"),
-        ("{at_segment: 0, obstacle_m: [[0.3, 1.1], [0.5, 1.3]]}", "own cell has become an obstacle"),
+        ("{at_segment: 1, hole_m: [[-9, -9], [9, 9]]}", "below a foot"),
         ("{at_segment: 1, hole_m: [[1.30, 1.28], [1.46, 1.44]]}", "below a foot"),
         ("{at_segment: 2, obstacle_m: [[2.7, 1.1], [2.9, 1.3]]}", "no way"),
     ],
@@ -109,6 +113,107 @@ def test_what_cannot_be_helped_ends_with_a_reason(field: Path, tmp_path: Path, e
     assert why in answer["why_not"]
     assert answer["verified"], answer["findings"]
     assert records(tmp_path / "run", "end")[0]["why_not"] == answer["why_not"]
+
+
+def test_a_cell_that_becomes_an_obstacle_is_left_at_once(field: Path, tmp_path: Path) -> None:
+    file = events(tmp_path / "events.yaml", "{at_segment: 0, obstacle_m: [[0.3, 1.1], [0.5, 1.3]]}")
+    answer = walked(field, tmp_path / "run", "--events", file)
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    assert answer["left"] == 1
+    first = records(tmp_path / "run", "segment")[0]
+    assert (first["primitive"], first["move"], first["cells"]) == ("leave forward", None, [[3, 1], [2, 1]])
+
+
+def test_who_is_walled_in_says_that_no_motion_leads_out(field: Path, tmp_path: Path) -> None:
+    boxes = ("[[1.1, 1.1], [1.3, 1.3]]", "[[0.3, 1.1], [0.5, 1.3]]", "[[1.9, 1.1], [2.1, 1.3]]")
+    sides = ("[[1.1, 0.3], [1.3, 0.5]]", "[[1.1, 2.0], [1.3, 2.1]]")
+    file = events(tmp_path / "events.yaml", *(f"{{at_segment: 1, obstacle_m: {box}}}" for box in (*boxes, *sides)))
+    answer = walked(field, tmp_path / "run", "--events", file)
+    assert not answer["reached"]
+    assert "no motion leads out" in answer["why_not"]
+    assert answer["verified"], answer["findings"]
+
+
+def test_what_happens_before_a_motion_begins_withdraws_it(field: Path, tmp_path: Path) -> None:
+    # the second motion, into the stones, is planned at 0.3 s and begins after 2 s
+    file = events(tmp_path / "events.yaml", "{at_s: 1.5, obstacle_m: [[1.9, 1.1], [2.1, 1.3]]}")
+    answer = walked(field, tmp_path / "run", "--events", file)
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    assert answer["withdrawn"] == 1
+    assert answer["left"] == 0
+    withdrawn = records(tmp_path / "run", "withdrawn")[0]
+    assert withdrawn["cells"] == [[2, 1], [1, 1]]
+    assert withdrawn["seen_s"] == 1.5
+    assert surefoot("view", tmp_path / "run")[0] == 0
+    assert (tmp_path / "run" / "timeline.png").is_file()
+    assert [1, 1] not in [one["cells"][1] for one in records(tmp_path / "run", "segment")]
+
+
+def test_what_happens_during_a_motion_is_seen_before_the_next_one(field: Path, tmp_path: Path) -> None:
+    # an obstacle among the stones, while the robot walks onto them
+    file = events(tmp_path / "events.yaml", "{at_s: 3.0, obstacle_m: [[1.9, 1.1], [2.1, 1.3]]}")
+    answer = walked(field, tmp_path / "run", "--events", file)
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    assert (answer["withdrawn"], answer["left"]) == (1, 1)
+    assert records(tmp_path / "run", "segment")[-1]["primitive"] == "leave forward"
+
+
+def test_what_does_not_matter_withdraws_nothing(field: Path, tmp_path: Path) -> None:
+    file = events(tmp_path / "events.yaml", "{at_s: 1.5, hole_m: [[3.0, 0.0], [3.1, 0.1]]}")
+    answer = walked(field, tmp_path / "run", "--events", file)
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    assert (answer["withdrawn"], answer["transitions"]) == (0, 3)
+    assert records(tmp_path / "run", "event")[0]["seen_s"] == 1.5
+
+
+@pytest.mark.parametrize("event", ["{at_segment: 1, ", "{at_s: 0.5, "])
+def test_the_planner_looks_after_a_step_in_place(
+    field: Path, tmp_path: Path, event: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from surefoot.missions.quadruped_crossing import cross
+
+    asked = list[str]()
+
+    def refuted_at_first(problem: Any, certificate: Any, limits: Any) -> Any:
+        """Say of the first motion that it has no program from where the feet are, so that the robot settles."""
+        asked.append("")
+        crossed = cross(problem, certificate, limits)
+        return replace(crossed, reason="the program is infeasible") if len(asked) == 1 else crossed
+
+    monkeypatch.setattr("surefoot.missions.quadruped_walk.cross", refuted_at_first)
+    monkeypatch.setattr("surefoot.missions.quadruped_walk._SETTLED_M", 0.0)
+    file = events(tmp_path / "events.yaml", event + "obstacle_m: [[1.1, 1.1], [1.3, 1.3]]}")
+    answer = walked(field, tmp_path / "run", "--events", file)
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    assert answer["settled"] == 1
+    done = [(one["primitive"], one["cells"][1]) for one in records(tmp_path / "run", "segment")]
+    assert done[0] == (None, [3, 1])
+    assert [2, 1] not in [cell for _, cell in done]
+
+
+def test_a_target_without_a_pose_is_no_contradiction(
+    field: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from surefoot.footholds.retarget import Retargeted, retarget
+
+    asked = list[str]()
+
+    def nowhere_at_first(problem: Any) -> Retargeted:
+        asked.append("")
+        return Retargeted("infeasible", None, None, (), None, 0.0) if len(asked) == 1 else retarget(problem)
+
+    monkeypatch.setattr("surefoot.missions.quadruped_crossing.retarget", nowhere_at_first)
+    answer = walked(field, tmp_path / "run")
+    assert answer["reached"]
+    assert answer["verified"], answer["findings"]
+    assert (answer["no_stance"], answer["contradictions"], answer["limits"]) == (1, 0, 0)
+    failed = records(tmp_path / "run", "failed")[0]
+    assert (failed["outcome"], failed["contradiction"], failed["solve_ms"]) == ("no pose", False, 0.0)
 
 
 def test_pushes_out_of_the_map_and_to_the_goal(field: Path, tmp_path: Path) -> None:
@@ -176,6 +281,15 @@ def test_a_program_that_fails_disallows_its_move_on_this_ground_only(field: Path
     assert answer.verified, answer.findings
 
 
+def test_feet_keep_to_where_legs_reach(field: Path, tmp_path: Path) -> None:
+    answer = walked(field, tmp_path / "run", "--joint-reach")
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    assert records(tmp_path / "run", "header")[0]["joint_reach"] is True
+    plans = sorted((tmp_path / "run" / "plans").iterdir())
+    assert all(json.loads(one.read_text())["values"]["options"]["joint_reach"] for one in plans)
+
+
 def test_delays_make_the_robot_wait(field: Path, tmp_path: Path) -> None:
     answer = walked(field, tmp_path / "run", "--delay", "0,0,4")
     slots = records(tmp_path / "run", "segment")
@@ -201,6 +315,24 @@ def test_a_robot_that_only_walks_ahead_turns(tmp_path: Path) -> None:
     done = [one["primitive"] for one in records(tmp_path / "run", "segment") if one["primitive"]]
     assert done == ["turn-left flat->flat", "forward flat->flat", "forward flat->flat"]
     assert records(tmp_path / "run", "segment")[-1]["quarter_turns"] == [1, 1]
+
+
+def test_bars_have_other_names_after_a_turn(tmp_path: Path) -> None:
+    def bar(west: float, south: float, east: float, north: float) -> str:
+        corners = [[west, south, 0], [east, south, 0], [east, north, 0], [west, north, 0]]
+        return f"  - vertices_m: {json.dumps(corners)}\n"
+
+    across = [bar(0.12 * k + 0.015, 0.0, 0.12 * k + 0.045, 1.2) for k in range(5)]
+    along = [bar(0.0, 0.2 * k + 0.085, 0.6, 0.2 * k + 0.115) for k in range(6)]
+    head = "format: 1\nkind: quadruped-terrain\nclasses: rebar-7\norigin_m: [0, 0]\ncells: [1, 2]\nyaw: true\n"
+    ends = "directions: [forward]\nstart_m: [0.3, 0.3]\ngoal_m: [0.3, 0.9]\npolygons:\n"
+    (tmp_path / "bars.yaml").write_text(head + ends + "".join((*across, *along)))
+    _, said = surefoot("run", tmp_path / "bars.yaml", "-o", tmp_path / "run", "--json")
+    answer = json.loads(said)
+    assert answer["reached"], answer["why_not"]
+    assert answer["verified"], answer["findings"]
+    done = [one["primitive"] for one in records(tmp_path / "run", "segment") if one["primitive"]]
+    assert done == ["turn-left dense-sparse->sparse-dense", "forward sparse-dense->sparse-dense"]
 
 
 def test_a_scan_becomes_a_mission(tmp_path: Path) -> None:

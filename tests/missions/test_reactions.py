@@ -61,7 +61,7 @@ def test_the_fewest_moves_make_no_u_turn(scenes: Path) -> None:
 
 
 def test_the_answers_in_a_cell_are_drawn(two_rooms_plan: Path, tmp_path: Path) -> None:
-    from surefoot.viewer.answers import Asked, draw_answers
+    from surefoot.viewer.maps.answers import Asked, draw_answers
 
     (picture,) = draw_answers(two_rooms_plan, Asked(Cell(3, 4)), tmp_path)
     assert picture.stat().st_size > 10_000

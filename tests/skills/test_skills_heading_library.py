@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from surefoot.cli.commands import app
+from calling import printed
 from surefoot.errors import InputError
 from surefoot.skills import LocalGrid, generated, read_library, read_terrain, terrain_set, write_terrain
 from surefoot.skills.classes import class_set
@@ -40,20 +39,12 @@ YAW = "yaw: true\ndirections: [forward]"
 Document = dict[str, Any]
 
 
-def run(*arguments: object, code: int = 0) -> str:
-    found = CliRunner().invoke(app, [str(one) for one in arguments])
-    if found.exception is not None and not isinstance(found.exception, SystemExit):
-        raise found.exception
-    assert found.exit_code == code, found.output
-    return found.stdout
-
-
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a terrain of three flat cells around a hole, and its library: forward and turns only."""
     folder = tmp_path_factory.mktemp("turning")
     (folder / "terrain.yaml").write_text(CORNER.format(yaw=YAW))
-    run("skills", "synthesize", folder / "terrain.yaml", "-o", folder / "library", "--jobs", 1, "--json")
+    printed("skills", "synthesize", folder / "terrain.yaml", "-o", folder / "library", "--jobs", 1, "--json")
     return folder
 
 
@@ -112,9 +103,9 @@ def test_terrain_files_with_wrong_headings_are_refused(tmp_path: Path, given: st
 
 def test_sideways_is_a_choice_of_those_who_turn(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="give --yaw too"):
-        run("skills", "terrain", "zig-zag", "--no-sideways")
+        printed("skills", "terrain", "zig-zag", "--no-sideways")
     path = tmp_path / "zig-zag.yaml"
-    found = json.loads(run("skills", "terrain", "zig-zag", "--yaw", "--no-sideways", "-o", path, "--json"))
+    found = json.loads(printed("skills", "terrain", "zig-zag", "--yaw", "--no-sideways", "-o", path, "--json"))
     assert found["directions"] == ["forward", "backward"]
     assert read_terrain(path).yaw
 
@@ -154,26 +145,26 @@ def test_the_corner_is_turned_around(made: Path) -> None:
 
 
 def test_what_is_shown_can_be_read(made: Path, tmp_path: Path) -> None:
-    whole = run("skills", "show", made / "library")
+    whole = printed("skills", "show", made / "library")
     assert "flat    LR" in whole
     assert "with headings; walks: forward" in whole
     library = read_library(made / "library")
     pair = next(one for one in library.pairs.values() if len(steps(library.turning, one)) == 3)  # type: ignore[arg-type]
     number, request = library.states.index(pair.state), f"{pair.request[0]},{pair.request[1]}"
     spec = tmp_path / "pair.structuredslugs"
-    shown = run("skills", "show", made / "library", "--state", number, "--request", request, "--spec", spec)
+    shown = printed("skills", "show", made / "library", "--state", number, "--request", request, "--spec", spec)
     assert "way: forward, turn-" in shown
     assert "facing ahead  facing left   facing back   facing right" in shown
-    assert json.loads(run("synth", spec, "--json"))["verdict"] == "realizable"
+    assert json.loads(printed("synth", spec, "--json"))["verdict"] == "realizable"
     empty = [k for k, state in enumerate(library.states) if state not in {one.state for one in library.pairs.values()}]
-    assert not empty or "nothing can be asked for" in run("skills", "show", made / "library", "--state", empty[0])
+    assert not empty or "nothing can be asked for" in printed("skills", "show", made / "library", "--state", empty[0])
 
 
 def test_the_setting_is_part_of_the_terrain(made: Path, tmp_path: Path) -> None:
     other = tmp_path / "terrain.yaml"
     other.write_text(CORNER.format(yaw="yaw: true"))
     with pytest.raises(InputError, match="another version of corner"):
-        run("skills", "synthesize", other, "-o", made / "library")
+        printed("skills", "synthesize", other, "-o", made / "library")
 
 
 def row_that(value: Document, way: str | None) -> list[Any]:

@@ -10,24 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from matplotlib.axes import Axes
+from PIL import Image
 
-from surefoot.cli import main
+from calling import run, said
+from surefoot.compute import sha256_of
 from surefoot.world.synthetic_terrain import stairs
 
 PNG = b"\x89PNG"
-
-
-def run(*arguments: str) -> int:
-    try:
-        code = main(list(arguments))
-    except SystemExit as leaving:
-        code = leaving.code  # type: ignore[assignment]
-    return int(code or 0)
-
-
-def said(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
-    answer: dict[str, Any] = json.loads(capsys.readouterr().out)
-    return answer
 
 
 def segmented(folder: Path, riser_m: float) -> Path:
@@ -60,9 +50,23 @@ def test_scanned_stairs_are_laid_verified_and_climbed(tmp_path: Path, capsys: py
     capsys.readouterr()
     assert run("verify", str(mission)) == 1
     assert "is no polygon of the scan" in capsys.readouterr().out
+    name_anew(tmp_path / "run", mission)
+    assert run("verify", str(tmp_path / "run")) == 1
+    assert "is no polygon of the scan" in capsys.readouterr().out
     terrain.write_text(terrain.read_text() + " ")
     assert run("verify", str(mission)) == 2
     assert "does not fit terrain.json" in capsys.readouterr().err
+    assert run("verify", str(tmp_path / "run")) == 2
+    assert "does not fit terrain.json" in capsys.readouterr().err
+
+
+def name_anew(folder: Path, mission: Path) -> None:
+    """Let the log of a run name the mission as it is now."""
+    log = folder / "run.jsonl"
+    first, *others = log.read_text().splitlines(keepends=True)
+    header = json.loads(first)
+    header["terrain"]["sha256"] = sha256_of(mission)
+    log.write_text("".join([json.dumps(header) + "\n", *others]))
 
 
 def _other_margin(document: dict[str, Any]) -> None:
@@ -170,3 +174,37 @@ def test_terrain_that_was_not_laid_is_not_verified(tmp_path: Path, capsys: pytes
     capsys.readouterr()
     assert run("verify", str(path)) == 2
     assert "was not laid over a scan" in capsys.readouterr().err
+
+
+def test_a_map_of_one_cell_has_a_way_and_is_walked_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    np.savez(tmp_path / "scan.npz", heights=np.zeros((50, 50)), resolution_m=0.02, origin_m=np.zeros(2))
+    terrain, mission = tmp_path / "terrain.json", tmp_path / "mission.yaml"
+    assert run("terrain", "segment", str(tmp_path / "scan.npz"), "-o", str(terrain)) == 0
+    for ends in ([], ["--start", "0.5,0.5", "--goal", "0.55,0.5"]):
+        capsys.readouterr()
+        assert run("terrain", "lay", str(terrain), "--cell", "0.9", "-o", str(mission), *ends, "--json") == 0
+        laid = said(capsys)
+        assert (laid["way"], laid["standing"], laid["blocked_by"]) == (True, 1, [])
+    assert run("run", str(mission), "-o", str(tmp_path / "run"), "--json") == 0
+    assert said(capsys)["reached"] is True
+
+
+@pytest.mark.parametrize(("cell_m", "inches"), [(1.0, 10.0), (0.25, 16.0)])
+def test_cells_too_many_for_words_are_drawn_in_colours(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cell_m: float, inches: float
+) -> None:
+    written: list[str] = []
+    text = Axes.text
+
+    def noted(axes: Axes, x: float, y: float, words: str, **looks: Any) -> Any:
+        written.append(words)
+        return text(axes, x, y, words, **looks)
+
+    monkeypatch.setattr(Axes, "text", noted)
+    ground = "polygons: [{vertices_m: [[0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]}]"
+    mission = tmp_path / "mission.yaml"
+    mission.write_text(f"format: 1\nkind: quadruped-terrain\nclasses: unstructured-8\ncell_m: {cell_m}\n{ground}\n")
+    run("skills", "terrain", str(mission), "--plot", str(tmp_path / "cells.png"))
+    assert ("flat" in written) == (cell_m == 1.0)
+    with Image.open(tmp_path / "cells.png") as picture:
+        assert picture.width > 100 * inches

@@ -7,9 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from surefoot.cli.commands import app
+from calling import printed
 from surefoot.errors import InputError
 from surefoot.skills.journal import CHECKS
 from surefoot.skills.library import LIBRARY, read_library
@@ -27,20 +26,12 @@ polygons:
 """
 
 
-def run(*arguments: object) -> str:
-    found = CliRunner().invoke(app, [str(one) for one in arguments])
-    if found.exception is not None and not isinstance(found.exception, SystemExit):
-        raise found.exception
-    assert found.exit_code == 0, found.output
-    return found.stdout
-
-
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a terrain of three flat cells around a hole, and its library."""
     folder = tmp_path_factory.mktemp("made")
     (folder / "terrain.yaml").write_text(FLAT.format(name="corner", robot="go2"))
-    run("skills", "synthesize", folder / "terrain.yaml", "-o", folder / "library", "--jobs", 2, "--json")
+    printed("skills", "synthesize", folder / "terrain.yaml", "-o", folder / "library", "--jobs", 2, "--json")
     return folder
 
 
@@ -53,14 +44,14 @@ def test_a_corner_is_walked_around(made: Path) -> None:
     assert answer["checks_feasible"] == answer["start_skills"] == 4
     library = read_library(made / "library")
     assert {skill.gait for skill in library.skills.values()} <= {"trot-2s", "trot-3s"}
-    report = json.loads(run("verify", made / "library", "--json"))
+    report = json.loads(printed("verify", made / "library", "--json"))
     assert report["accepted"]
     assert report["counts"]["skills"] == 4
 
 
 def test_a_complete_library_asks_physics_nothing_again(made: Path) -> None:
     before = (made / "library" / CHECKS).read_bytes()
-    again = json.loads(run("skills", "synthesize", made / "terrain.yaml", "-o", made / "library", "--json"))
+    again = json.loads(printed("skills", "synthesize", made / "terrain.yaml", "-o", made / "library", "--json"))
     assert (made / "library" / CHECKS).read_bytes() == before
     assert again["start_skills"] == 4
 
@@ -89,7 +80,7 @@ def test_what_does_not_fit_is_refused_and_nothing_is_lost(
 ) -> None:
     before = {path: path.read_bytes() for path in (made / "library").rglob("*") if path.is_file()}
     with pytest.raises(InputError, match=message):
-        run("skills", "synthesize", change(made), "-o", made / "library")
+        printed("skills", "synthesize", change(made), "-o", made / "library")
     assert {path: path.read_bytes() for path in (made / "library").rglob("*") if path.is_file()} == before
 
 
@@ -99,7 +90,7 @@ def test_an_interrupted_library_says_so(made: Path, tmp_path: Path) -> None:
     (part / CHECKS).write_bytes((made / "library" / CHECKS).read_bytes())
     for command in (["skills", "show"], ["verify"]):
         with pytest.raises(InputError, match="interrupted"):
-            run(*command, part)
+            printed(*command, part)
 
 
 def test_a_terrain_file_that_changed_is_noticed(made: Path, tmp_path: Path) -> None:
@@ -109,4 +100,4 @@ def test_a_terrain_file_that_changed_is_noticed(made: Path, tmp_path: Path) -> N
     shutil.copytree(made, copy)
     (copy / "terrain.yaml").write_text(FLAT.format(name="corner", robot="go2") + "# touched\n")
     with pytest.raises(InputError, match="another version"):
-        run("verify", copy / "library")
+        printed("verify", copy / "library")

@@ -1,28 +1,13 @@
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from surefoot.cli import main
+from calling import run, said
 from surefoot.skills.classes import SHIPPED
 
 PNG = b"\x89PNG"
-
-
-def run(*arguments: str) -> int:
-    try:
-        code = main(list(arguments))
-    except SystemExit as leaving:
-        code = leaving.code  # type: ignore[assignment]
-    return int(code or 0)
-
-
-def said(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
-    answer: dict[str, Any] = json.loads(capsys.readouterr().out)
-    return answer
 
 
 def test_terrain_is_made_drawn_and_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from surefoot.errors import InputError
 from surefoot.footholds.terrain import polygon
 from surefoot.skills.classes import class_set
-from surefoot.skills.grid import LocalGrid, check_request, requests_of, terrain_set, terrain_state
+from surefoot.skills.grid import LocalGrid, requests_of, terrain_set
 from surefoot.skills.quadruped_terrain import QuadrupedTerrain
 from surefoot.skills.terrains import generated
 from surefoot.skills.values import OBSTACLE, TerrainState
@@ -144,20 +144,3 @@ def test_between_two_cells_the_ground_is_measured_anew() -> None:
     x, y = FIELD.centre_m((0, 2))
     assert LocalGrid(FIELD, (x + 0.2, y)).labels[0] == (OBSTACLE,) * 3
     assert math.isclose(half.place_m((1, 1))[0], half.centre_m[0])
-
-
-def test_terrain_states_that_people_write() -> None:
-    rules = class_set("unstructured-4")
-    labels = [["gap"] * 3, ["flat"] * 3, ["dense", OBSTACLE, "flat"]]
-    state = terrain_state(labels, rules)
-    check_request(state, (0, 1))
-    with pytest.raises(InputError, match="own cell, the middle one, is an obstacle"):
-        terrain_state([["flat"] * 3, ["flat", OBSTACLE, "flat"], ["flat"] * 3], rules)
-    with pytest.raises(InputError, match="there is no class 'high'"):
-        terrain_state([["high"] * 3] * 3, rules)
-    with pytest.raises(InputError, match="odd number of rows"):
-        terrain_state([["flat"] * 3] * 2, rules)
-    with pytest.raises(InputError, match=r"\(3, 0\) lies outside of the grid; allowed are rows 0 to 2"):
-        check_request(state, (3, 0))
-    with pytest.raises(InputError, match=r"\(2, 1\) is an obstacle"):
-        check_request(state, (2, 1))

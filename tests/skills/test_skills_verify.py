@@ -157,6 +157,34 @@ BREAKS: dict[str, tuple[Callable[[Document], object], str]] = {
     "a pair left out": (lambda v: v["pairs"].pop(), "are not complete"),
     "a pair twice": (lambda v: v["pairs"].append(v["pairs"][0]), "some stand twice"),
     "wrong counts": (lambda v: v["answer"].update(repaired=0), "skills, counts"),
+    "another number of first skills": (lambda v: v["answer"].update(start_skills=7), "skills, counts"),
+    "fewer primitives than there are": (lambda v: v["answer"].update(exhaustive=5), "skills, counts"),
+    "a better share": (lambda v: v["answer"].update(repaired_of_those_in_need=1.0), "skills, counts"),
+    "less time than the checks took": (lambda v: v["answer"].update(checks_s=-5.0), "skills, counts"),
+    "a new skill that nobody asked for": (
+        lambda v: pair_at(v, 0, [0, 0])["new"].append("forward gap->gap"),
+        "new skills are not those",
+    ),
+    "an answer that physics never gave": (
+        lambda v: pair_at(v, 3, [0, 0]).update(asked=["forward gap->sparse"]),
+        "which has no answer of its own",
+    ),
+    "more new skills needed than there are": (
+        lambda v: pair_at(v, 0, [0, 0]).update(fewest=9),
+        "needs at least 9 new skills",
+    ),
+    "repaired by nothing": (
+        lambda v: next(p for p in v["pairs"] if not p["new"] and p["strategy"]).update(outcome="repaired"),
+        "with 0 new skills",
+    ),
+    "another gait than that of the plan": (
+        lambda v: check_of(v, "feasible").update(gait="leap-1.5s"),
+        "its plan is not",
+    ),
+    "no gait at all": (lambda v: check_of(v, "feasible").update(gait="gallop"), "which is no gait"),
+    "any gait of another time": (lambda v: check_of(v, "feasible").update(gait="free-1.5s"), "its plan is not"),
+    "another horizon": (lambda v: check_of(v, "feasible").update(horizon_s=1.0), "its plan takes"),
+    "a lower cost": (lambda v: check_of(v, "feasible").update(cost=1.0), "its plan costs"),
     "a primitive twice": (lambda v: v["checks"].append(v["checks"][0]), "stands twice"),
     "no such direction": (lambda v: v["checks"][0].update(primitive="up flat->flat"), "is no primitive"),
 }
@@ -206,6 +234,8 @@ def test_a_certificate_of_a_motion_that_breaks_the_model_is_refused(changed: Cal
         (lambda v: v["pairs"][0].update(request=[0, 9]), "outside of the grid"),
         (lambda v: v["pairs"][0].update(strategy=[[0, 0, "up"]]), "one of forward"),
         (lambda v: v.update(format=2), "format"),
+        (lambda v: v["pairs"][0].update(fewest=-1), "whole number"),
+        (lambda v: v["checks"][0].update(time_s=-1), "at least 0"),
         (lambda v: v["terrain"].update(path="../library.json", sha256="0"), None),
     ],
 )

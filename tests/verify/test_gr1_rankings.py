@@ -16,12 +16,16 @@ from gr1_specs import random_specification
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.games import synthesize
+from surefoot.games.ranking_listing import listed
 from surefoot.games.ranking_player import RankingPlayer
 from surefoot.logic import Conjunct, Evaluator, Specification, read_specification, write_structuredslugs
 from surefoot.logic.ranking import Ranking
 from surefoot.logic.ranking_file import load_ranking, save_ranking
+from surefoot.logic.strategy_file import save_strategy
 from surefoot.logic.transducer import Semantics
 from surefoot.verify import verify_path
+from surefoot.verify._gr1_kernels import FALSE
+from surefoot.verify.gr1_sets import Sets, Translator
 
 Arrays = dict[str, Any]
 
@@ -122,6 +126,10 @@ def test_rankings_of_random_specifications_are_accepted_and_keep_their_promises(
         report = verify_path(tmp_path / "r.json")
         assert report.accepted, (seed, report.findings)
         accepted += 1
+        transducer = listed(ranking, semantics)
+        assert transducer is not None
+        save_strategy(tmp_path / "s.json", transducer, spec, semantics=semantics)
+        assert verify_path(tmp_path / "s.json").accepted, seed
         if semantics == "slugs" and RankingPlayer(ranking).inputs(None, {}, None) is not None:
             play = random_play(spec, ranking, 20, seed)
             assert not any(broken_lines(spec, now, after) for now, after in pairwise(play))
@@ -302,3 +310,46 @@ def test_a_ranking_of_another_specification_is_bad_input(tmp_path: Path) -> None
     (tmp_path / "game.structuredslugs").write_text(LIFT + "\n[SYS_TRANS]\ndoor\n")
     with pytest.raises(InputError, match=r"another version|hashes differ"):
         verify_path(tmp_path / "r.json")
+
+
+@pytest.mark.parametrize("operator", ["=", "!=", "<", "<=", ">", ">="])
+def test_integers_are_added_and_compared_as_numbers(tmp_path: Path, operator: str) -> None:
+    lines = f"x + y {operator} z' + 2\nz {operator} x\n3 {operator} y + y + x"
+    spec = spec_from(f"[INPUT]\nx:2...6\n[OUTPUT]\ny:0...4\nz:1...5\n[SYS_TRANS]\n{lines}\n", tmp_path)
+    sets = Sets(2 * sum(len(v.bits) for v in spec.variables))
+    translator = Translator(spec, sets, range(9))
+    inside = translator.in_range(spec.variables, primed=False), translator.in_range(spec.variables, primed=True)
+    evaluate = Evaluator(spec)
+    x, y, z, later = (part.ravel() for part in np.meshgrid(range(2, 7), range(5), range(1, 6), range(1, 6)))
+    for line in spec.sys_trans:
+        truth = evaluate(line.expression, {"x": x, "y": y, "z": z}, {"x": x, "y": y, "z": later})
+        found = sets.share(sets.conjoin((*inside, translator.translate(line.expression))))
+        assert found == pytest.approx(truth.mean() * 5**6 / 8**6)
+        for k in range(0, len(x), 7):
+            values = zip((x[k] - 2, y[k], z[k] - 1), (0, 0, later[k] - 1), strict=True)
+            bits = [(one >> b & 1, two >> b & 1) for one, two in values for b in range(3)]
+            state = [
+                sets.variable(2 * place + after) ^ (not bit)
+                for place, pair in enumerate(bits)
+                for after, bit in enumerate(pair)
+            ]
+            inside_line = sets.conjoin((*state, translator.translate(line.expression)))
+            assert (inside_line != FALSE) == truth[k]
+
+
+def test_integers_of_thousands_of_values_are_certified(tmp_path: Path) -> None:
+    parts = ("[INPUT]\nx:0...900", "[OUTPUT]\ny:0...900", "[SYS_TRANS]\ny' = x'", "[SYS_LIVENESS]\ny < x' + 500")
+    text = "\n".join((*parts, "[ENV_LIVENESS]\nx + y > 2\n"))
+    spec = spec_from(text, tmp_path)
+    ranking = ranked(spec)
+    assert ranking is not None
+    save_ranking(tmp_path / "ranking.json", ranking, spec)
+    assert verify_path(tmp_path / "ranking.json").accepted
+
+
+def test_a_ranking_of_too_many_moves_is_not_listed(tmp_path: Path) -> None:
+    ranking = ranked(spec_from(LIFT, tmp_path))
+    assert ranking is not None
+    whole = listed(ranking)
+    assert whole is not None
+    assert listed(ranking, most=len(whole.successors)) is None

@@ -107,6 +107,92 @@ def test_tampered_files_are_refused(saved: Path, tamper: Callable[[Document], No
     assert rule in {finding.rule for finding in report.findings}
 
 
+@pytest.fixture
+def bars(tmp_path: Path) -> Path:
+    """A slanted bar 4 cm wide over ground with dropouts, kept as a strip."""
+    rows, columns = np.indices((120, 120))
+    along, across = (columns - 60) * 0.9 + (rows - 60) * 0.436, (rows - 60) * 0.9 - (columns - 60) * 0.436
+    heights = np.where((np.abs(across) < 1) & (np.abs(along) < 40), 0.1, 0.0)
+    heights[np.random.default_rng(0).uniform(size=heights.shape) < 0.01] = np.nan
+    scan = tmp_path / "bars.npy"
+    np.save(scan, heights)
+    elevation, options = read_elevation(scan, resolution_m=0.02), SegmentOptions(keep_narrow=True)
+    write_terrain(tmp_path / "bars.json", segment_terrain(elevation, options), options, scan, elevation.reading)
+    return tmp_path / "bars.json"
+
+
+def test_strips_along_narrow_things_are_accepted(bars: Path) -> None:
+    document = json.loads(bars.read_text())
+    assert [source["region"] for source in document["sources"]].count(-1) == len(document["narrow"]) == 1
+    report = verify_path(bars)
+    assert report.accepted, report.findings
+
+
+def lift_thing(document: Document) -> None:
+    document["narrow"][0]["rise_m"] = 0.02
+
+
+def test_a_thing_rises_no_higher_than_the_scan(tmp_path: Path) -> None:
+    heights = np.zeros((120, 120))
+    heights[60:62, 50:70] = 0.1
+    scan = tmp_path / "bar.npy"
+    np.save(scan, heights)
+    elevation, options, path = read_elevation(scan, resolution_m=0.02), SegmentOptions(), tmp_path / "bar.json"
+    write_terrain(path, segment_terrain(elevation, options), options, scan, elevation.reading)
+    assert verify_path(path).accepted
+    document = json.loads(path.read_text())
+    document["narrow"][0]["rise_m"] = 0.2
+    path.write_text(json.dumps(document))
+    assert {finding.rule for finding in verify_path(path).findings} == {"terrain, narrow"}
+
+
+def move_thing(document: Document) -> None:
+    for end in ("start_m", "end_m"):
+        document["narrow"][0][end][1] += 0.2
+
+
+def widen_strip(document: Document) -> None:
+    strip = next(k for k, source in enumerate(document["sources"]) if source["region"] < 0)
+    corners = document["polygons"][strip]["vertices_m"]
+    middle = np.mean(corners, axis=0)
+    document["polygons"][strip]["vertices_m"] = [(middle + 1.1 * (np.array(one) - middle)).tolist() for one in corners]
+
+
+@pytest.mark.parametrize(
+    ("tamper", "rule"),
+    [
+        (lambda document: document["statistics"].update(kept_share=9.0), "terrain, statistics"),
+        (lambda document: document["statistics"].update(kept_share=0.1), "terrain, statistics"),
+        (lambda document: document["statistics"].update(ground_share=0.2), "terrain, statistics"),
+        (lambda document: document["statistics"].update(ground_share=1.0), "terrain, statistics"),
+        (lambda document: document["statistics"].update(pieces_per_region=1.0), "terrain, statistics"),
+        (lambda document: document["statistics"].update(regions=7), "terrain, regions"),
+        (lambda document: document["regions"][0].update(kept_m2=1.0), "terrain, regions"),
+        (lambda document: document["regions"][0].update(area_m2=0.1), "terrain, regions"),
+        (lambda document: document["regions"][0].update(area_m2=99.0), "terrain, regions"),
+        (lambda document: document["regions"][0].update(normal=[0.0, 0.6, 0.8]), "terrain, regions"),
+        (lambda document: document["regions"][0]["polygons"].pop(), "terrain, regions"),
+        (lambda document: document["regions"].pop(), "terrain, regions"),
+        (lambda document: document["statistics"].update(warnings=[]), "terrain, warnings"),
+        (lambda document: document["statistics"]["warnings"].append("cells show nothing narrower than that"),
+         "terrain, warnings"),
+        (lambda document: document.update(narrow=[]), "terrain, strips"),
+        (lambda document: document["options"].update(keep_narrow=False), "terrain, strips"),
+        (lambda document: document["narrow"][0].update(length_m=3.0), "terrain, narrow"),
+        (lambda document: document["narrow"][0].update(width_m=0.031), "terrain, narrow"),
+        (lift_thing, "terrain, narrow"),
+        (move_thing, "terrain, narrow"),
+        (widen_strip, "terrain, strips"),
+    ],
+)  # fmt: skip
+def test_statements_that_do_not_hold_are_refused(bars: Path, tamper: Callable[[Document], None], rule: str) -> None:
+    document = json.loads(bars.read_text())
+    tamper(document)
+    bars.write_text(json.dumps(document))
+    report = verify_path(bars)
+    assert rule in {finding.rule for finding in report.findings}
+
+
 def test_files_that_cannot_be_checked(saved: Path) -> None:
     document = json.loads(saved.read_text())
     for change, said in [
@@ -126,7 +212,15 @@ def test_files_that_cannot_be_checked(saved: Path) -> None:
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="../shared/data/elevation is absent")
-@pytest.mark.parametrize(("name", "cell_m", "no_data"), [("real_stairs_125cm", 0.04, 0), ("terrain", 0.02, None)])
+@pytest.mark.parametrize(
+    ("name", "cell_m", "no_data"),
+    [
+        ("real_stairs_125cm", 0.04, 0),
+        ("real_stairs_125cm", 0.02, 0),
+        ("real_stairs_125cm", 0.02, None),
+        ("terrain", 0.02, None),
+    ],
+)
 def test_recorded_scans_are_segmented_honestly(tmp_path: Path, name: str, cell_m: float, no_data: int | None) -> None:
     source = DATA / f"{name}.png"
     elevation = read_elevation(source, resolution_m=cell_m, height_range_m=(0, 1.25), no_data=no_data)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import shutil
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import pytest
+
+from surefoot.viewer.live.view import serving
 
 TIMEOUT_MS = 90_000
 _ARGUMENTS = (
@@ -81,3 +85,16 @@ def browser() -> Iterator[Opened]:
         page.on("console", lambda said: opened.errors.append(said.text) if said.type == "error" else None)
         yield opened
         running.close()
+
+
+@contextmanager
+def followed(run_folder: Path) -> Iterator[Opened]:
+    """Yield a page of a browser that looks at the live view of a run."""
+    stop = threading.Event()
+    with serving(run_folder, None) as (address, view), browser() as one:
+        thread = threading.Thread(target=view.run, args=(stop,))
+        thread.start()
+        one.open(address, "/robot/trunk")
+        yield one
+        stop.set()
+        thread.join()

@@ -15,8 +15,8 @@ from browsing import Opened, browser
 
 from surefoot.cli import main
 from surefoot.footholds import read_problem, solve, write_plan
-from surefoot.viewer.body import quadruped_parts
-from surefoot.viewer.foothold_motion import read_motion
+from surefoot.viewer.robots.simple import quadruped_parts
+from surefoot.viewer.sources.foothold_motion import read_motion
 
 SAMPLE = 30
 FEET = ("front_left", "front_right", "hind_left", "hind_right")

@@ -11,39 +11,14 @@ from browsing import Opened, browser
 from surefoot.cli import main
 from surefoot.logic.strategy_file import load_strategy
 
-TANK = """[INPUT]
-rain
-
-[OUTPUT]
-level: 0...7
-drain
-
-[SYS_INIT]
-level = 3
-! drain
-
-[SYS_TRANS]
-(rain' & ! drain') -> (level' = level+1)
-(! rain' & ! drain') -> (level' = level)
-drain' -> (level'+1 = level)
-(level' >= 1)
-(level' <= 6)
-
-[SYS_LIVENESS]
-level = 2
-level = 5
-
-[ENV_LIVENESS]
-rain
-"""
+TANK = Path(__file__).parents[2] / "scenes" / "specifications" / "tank.structuredslugs"
 
 
 @pytest.fixture(scope="module")
 def strategy(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("tank")
-    (folder / "tank.structuredslugs").write_text(TANK)
-    assert main(["synth", str(folder / "tank.structuredslugs"), "-o", str(folder / "tank.json")]) == 0
-    return folder / "tank.json"
+    saved = tmp_path_factory.mktemp("tank") / "tank.json"
+    assert main(["synth", str(TANK), "-o", str(saved)]) == 0
+    return saved
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +73,7 @@ def test_a_dropdown_goes_to_a_state_with_that_value(opened: Opened, strategy: Pa
 
 @pytest.mark.xdist_group("browser")
 def test_a_strategy_of_the_environment_says_its_move(opened: Opened, tmp_path: Path) -> None:
-    (tmp_path / "no.structuredslugs").write_text(TANK.replace("level = 5", "level = 7"))
+    (tmp_path / "no.structuredslugs").write_text(TANK.read_text().replace("level = 5", "level = 7"))
     assert main(["synth", str(tmp_path / "no.structuredslugs"), "-o", str(tmp_path / "no.json")]) == 1
     assert main(["view", str(tmp_path / "no.json"), "--html", str(tmp_path / "no.html")]) == 0
     opened.page.goto((tmp_path / "no.html").as_uri())
@@ -109,6 +84,6 @@ def test_a_strategy_of_the_environment_says_its_move(opened: Opened, tmp_path: P
 def test_a_strategy_that_is_too_large_is_refused(
     strategy: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("surefoot.viewer.gr1_page.MOST_NUMBERS", 3)
+    monkeypatch.setattr("surefoot.viewer.pages.gr1.MOST_NUMBERS", 3)
     assert main(["view", str(strategy), "--html", str(tmp_path / "p.html")]) == 2
     assert "numbers, and a page at most 3; surefoot simulate plays it" in capsys.readouterr().err

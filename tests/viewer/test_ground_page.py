@@ -17,7 +17,7 @@ from surefoot.cli import main
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.footholds import read_problem, solve, write_plan
-from surefoot.viewer.run_ground import read_run_ground
+from surefoot.viewer.sources.ground import read_run_ground
 
 OBSTACLE_S, HOLE_S, SECOND_S = 3.5, 5.5, 6.0
 EVENTS: tuple[dict[str, Any], ...] = (
@@ -44,7 +44,10 @@ def run_folder(tmp_path_factory: pytest.TempPathFactory, request: pytest.Fixture
         },
         asked,
         {**walked, "number": 0, "primitive": "forward flat->flat", "start_s": 1.0, "plan_start_s": 0.5},
-        *({"record": "event", "before_segment": 1, "event": event, "stands": None} for event in EVENTS),
+        *(
+            {"record": "event", "before_segment": 1, "seen_s": seen_s, "event": event, "stands": None}
+            for seen_s, event in zip((OBSTACLE_S, HOLE_S), EVENTS, strict=True)
+        ),
         {**asked, "cell": [2, 1], "quarter_turns": 1, "request": [0, 1]},
         {**walked, "number": 1, "primitive": "turn-left flat", "start_s": SECOND_S, "plan_start_s": OBSTACLE_S},
     ]  # fmt: skip

@@ -7,24 +7,23 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from browsing import Opened, browser
+from browsing import Opened, followed
 
-from quadruped_field import surefoot, write_field
+from calling import surefoot
+from quadruped_field import write_field
 from surefoot.cli import main
 from surefoot.errors import InputError
 from surefoot.skills.patches import Rectangle
-from surefoot.viewer.foothold_motion import read_motion
-from surefoot.viewer.ground_scene import GroundScene
-from surefoot.viewer.live import serving
-from surefoot.viewer.live_beside import watching
-from surefoot.viewer.page import server
-from surefoot.viewer.run_ground import Phase, RunGround, WayPoint
+from surefoot.viewer.browser.page import server
+from surefoot.viewer.live.beside import watching
+from surefoot.viewer.scenes.ground import GroundScene
+from surefoot.viewer.sources.foothold_motion import read_motion
+from surefoot.viewer.sources.ground import Phase, RunGround, WayPoint
 from synthetic_run import write_run
 
 TRUNK = "window.__viserMutable?.nodePoseData?.['/robot/trunk']"
@@ -47,14 +46,8 @@ def lines(run_folder: Path) -> list[str]:
 def opened(run_folder: Path, lines: list[str]) -> Iterator[Opened]:
     """Yield a browser that looks at the live view of a run that has walked one segment."""
     (run_folder / "run.jsonl").write_text("".join(lines[: 1 + next(_segments(lines))]))
-    stop = threading.Event()
-    with serving(run_folder, None) as (address, view), browser() as one:
-        thread = threading.Thread(target=view.run, args=(stop,))
-        thread.start()
-        one.open(address, "/robot/trunk")
+    with followed(run_folder) as one:
         yield one
-        stop.set()
-        thread.join()
 
 
 def _segments(lines: list[str]) -> Iterator[int]:

@@ -13,24 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surefoot.navigation import NavigationStrategy, Order
-from surefoot.viewer import live_strategy
-from surefoot.viewer.answers import strategy_of
-from surefoot.viewer.live_strategy import StrategyView
-from surefoot.viewer.page import HOST, server
-from surefoot.viewer.sources import PlanSource, read_plan_source
-from surefoot.viewer.strategy_choices import Question, StrategyBook
+from surefoot.viewer.browser.page import HOST, server
+from surefoot.viewer.live import strategy as live_strategy
+from surefoot.viewer.live.strategy import StrategyView
+from surefoot.viewer.live.strategy_choices import Question, StrategyBook
+from surefoot.viewer.sources.plans import PlanSource
 
 BOXES = "[...document.querySelectorAll('input[aria-haspopup=listbox]')].slice(-5).map(box => box.value)"
-
-
-@pytest.fixture(scope="module")
-def source(tutorial_plan: Path) -> PlanSource:
-    return read_plan_source(tutorial_plan)
-
-
-@pytest.fixture(scope="module")
-def strategy(source: PlanSource) -> NavigationStrategy:
-    return strategy_of(source)
 
 
 @pytest.fixture(scope="module")

@@ -7,18 +7,16 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from browsing import Opened, browser
+from browsing import Opened, followed
 
 from surefoot.cli import main
-from surefoot.viewer.live import serving
-from surefoot.viewer.page import server
-from surefoot.viewer.replay import read_timeline
+from surefoot.viewer.browser.page import server
+from surefoot.viewer.sources.timeline import read_timeline
 from synthetic_run import write_run
 
 TRUNK_ABOVE_M = 0.13
@@ -38,14 +36,8 @@ def lines(run_folder: Path) -> list[str]:
 def opened(run_folder: Path, lines: list[str]) -> Iterator[Opened]:
     """Yield a browser that looks at the live view of a log of 20 records."""
     (run_folder / "run.jsonl").write_text("".join(lines[:20]))
-    stop = threading.Event()
-    with serving(run_folder, None) as (address, view), browser() as one:
-        thread = threading.Thread(target=view.run, args=(stop,))
-        thread.start()
-        one.open(address, "/robot/trunk")
+    with followed(run_folder) as one:
         yield one
-        stop.set()
-        thread.join()
 
 
 def wait_for_trunk(opened: Opened, com_m: np.ndarray) -> None:

@@ -9,9 +9,9 @@ import pytest
 from browsing import browser
 
 from surefoot.missions.run_log import read_run
-from surefoot.viewer.bodies import Body
-from surefoot.viewer.mesh_files import package_folder
-from surefoot.viewer.replay import write_replay
+from surefoot.viewer.pages.replay import write_replay
+from surefoot.viewer.robots.bodies import Body
+from surefoot.viewer.robots.mesh_files import package_folder
 from synthetic_run import write_run
 
 

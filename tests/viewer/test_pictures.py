@@ -114,7 +114,7 @@ def test_a_plan_without_its_grid_is_refused(tmp_path: Path, key: str) -> None:
 
 
 def test_motion_between_logged_states_is_the_logged_motion(run: Run) -> None:
-    from surefoot.viewer.motion import halves
+    from surefoot.viewer.sources.com_paths import halves
 
     for step in run.steps:
         (before, _), (after, speeds) = halves(step, 5)
@@ -124,7 +124,7 @@ def test_motion_between_logged_states_is_the_logged_motion(run: Run) -> None:
 
 
 def test_the_turn_that_is_shown_is_whole(run: Run) -> None:
-    from surefoot.viewer.phase_space import straight_stretch, turn_stretch
+    from surefoot.viewer.sources.steps import straight_stretch, turn_stretch
 
     turn = turn_stretch(run.steps)
     assert math.isclose(sum(step.heading_change_rad for step in turn), -math.pi / 2)
@@ -163,6 +163,6 @@ def turns(hidden: str) -> tuple[Turn, ...]:
     ],
 )
 def test_the_longest_hiding_is_shown(hidden: str, shown: tuple[int, ...]) -> None:
-    from surefoot.viewer.beliefs import chosen_turns
+    from surefoot.viewer.maps.beliefs import chosen_turns
 
     assert chosen_turns(turns(hidden)) == shown

@@ -12,18 +12,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from quadruped_field import surefoot, write_field
+from calling import surefoot
+from quadruped_field import write_field
 from surefoot.errors import InputError
 from surefoot.frames import Cell
 from surefoot.missions.biped_scene import BipedScene, read_biped_scene
 from surefoot.missions.coarse_play import coarse_play
 from surefoot.missions.run_log import Turn
 from surefoot.viewer import view_folder, view_plan, view_step
-from surefoot.viewer.answers import strategy_of
-from surefoot.viewer.beliefs import chosen_turns
-from surefoot.viewer.obstacle_tracks import way
-from surefoot.viewer.paths import draw_path
-from surefoot.viewer.sources import read_plan_source, read_run_source
+from surefoot.viewer.maps.beliefs import chosen_turns
+from surefoot.viewer.maps.obstacle_tracks import way
+from surefoot.viewer.maps.paths import draw_path
+from surefoot.viewer.sources.plans import read_plan_source, read_run_source, strategy_of
 from synthetic_run import write_run
 
 

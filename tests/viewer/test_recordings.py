@@ -17,7 +17,7 @@ from surefoot.cli import main
 from surefoot.footholds import read_problem, solve, write_plan
 from surefoot.robots import quadruped
 from surefoot.robots.legs import JOINTS, legs
-from surefoot.viewer.replay import read_timeline
+from surefoot.viewer.sources.timeline import read_timeline
 from synthetic_run import CELL_M, HIDDEN, write_run
 
 

@@ -13,8 +13,7 @@ import pytest
 from browsing import Opened, browser
 
 from surefoot.cli import main
-from surefoot.viewer.replay import read_timeline
-from surefoot.viewer.timeline import Timeline
+from surefoot.viewer.sources.timeline import Timeline, read_timeline
 from synthetic_run import CELL_M, write_run
 
 EAST_M = [3 * CELL_M, CELL_M, 5 * CELL_M, 4 * CELL_M]

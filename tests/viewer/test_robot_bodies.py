@@ -14,15 +14,15 @@ from own_robot import write_cassie, write_go2
 
 from surefoot.cli import main
 from surefoot.footholds import read_problem, solve, write_plan
-from surefoot.viewer import mesh_files
-from surefoot.viewer.bodies import chosen_body
-from surefoot.viewer.cassie import SIDES, link_poses
-from surefoot.viewer.mesh_files import model_of, package_folder, parts_of
-from surefoot.viewer.page import server
-from surefoot.viewer.replay import read_timeline
-from surefoot.viewer.robot_files import read_robot
-from surefoot.viewer.robot_model import RobotModel
-from surefoot.viewer.run_scene import RunScene
+from surefoot.viewer.browser.page import server
+from surefoot.viewer.robots import mesh_files
+from surefoot.viewer.robots.bodies import chosen_body
+from surefoot.viewer.robots.cassie import SIDES, link_poses
+from surefoot.viewer.robots.files import read_robot
+from surefoot.viewer.robots.mesh_files import model_of, package_folder, parts_of
+from surefoot.viewer.robots.model import RobotModel
+from surefoot.viewer.scenes.run import RunScene
+from surefoot.viewer.sources.timeline import read_timeline
 from synthetic_run import write_run
 
 SAMPLES = (7, 30, 61)

@@ -13,8 +13,8 @@ from surefoot.errors import InputError
 from surefoot.robots import quadruped
 from surefoot.robots.legs import JOINTS, legs
 from surefoot.robots.quadruped import FEET
-from surefoot.viewer.mesh_files import parts_of
-from surefoot.viewer.robot_files import read_robot
+from surefoot.viewer.robots.files import read_robot
+from surefoot.viewer.robots.mesh_files import parts_of
 
 SDF = """<sdf version="1.6"><model name="arm">
   <link name="a"><pose>0 0 1 0 0 0</pose><visual name="v"><pose>0 0 0.5 0 0 0</pose>

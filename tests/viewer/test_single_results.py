@@ -11,7 +11,7 @@ from PIL import Image
 from surefoot.cli import main
 from surefoot.footholds import read_problem, solve, write_plan
 from surefoot.reach import load_region
-from surefoot.viewer.omegas import _bounds
+from surefoot.viewer.steps.omegas import _bounds
 
 Capture = pytest.CaptureFixture[str]
 

@@ -11,18 +11,7 @@ from browsing import Opened, browser
 
 from surefoot.cli import main
 from surefoot.navigation import NavigationStrategy, Order
-from surefoot.viewer.answers import strategy_of
-from surefoot.viewer.sources import PlanSource, read_plan_source
-
-
-@pytest.fixture(scope="module")
-def source(tutorial_plan: Path) -> PlanSource:
-    return read_plan_source(tutorial_plan)
-
-
-@pytest.fixture(scope="module")
-def strategy(source: PlanSource) -> NavigationStrategy:
-    return strategy_of(source)
+from surefoot.viewer.sources.plans import PlanSource
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,6 @@ from surefoot.walking.pendulum import (
     growth_to,
     growth_to_apex,
     next_lateral_foot,
-    periodic_foot_offset,
     propagate,
     switch_position,
     switch_speed,
@@ -71,7 +70,7 @@ def test_lateral_speed_vanishes_at_the_next_apex(y: float, v: float, time_s: flo
 @given(st.floats(0.02, 0.2), speeds, st.floats(0.2, 0.55))
 def test_symmetric_gait_repeats_itself(dy2: float, speed: float, length: float) -> None:
     half = math.asinh(OMEGA * length / 2 / speed) / OMEGA
-    foot = periodic_foot_offset(dy2, speed, length, OMEGA)
+    foot = dy2 * math.sqrt(1 + (0.5 * OMEGA * length / speed) ** 2)
     y, v = propagate(foot - dy2, 0.0, foot, OMEGA, math.exp(OMEGA * half))
     next_foot, next_apex = next_lateral_foot(y, v, math.exp(OMEGA * half), OMEGA)
     assert next_foot == pytest.approx(-foot, abs=1e-9)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely  # type: ignore[import-untyped]
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -17,6 +18,10 @@ from surefoot.verify import verify_path
 from surefoot.world import SegmentOptions, read_elevation, segment_terrain
 from surefoot.world._convex_kernels import convex_ring, without_straight
 from surefoot.world._outline_kernels import beside, contours, framed
+from surefoot.world.outlines import inset_outline
+from surefoot.world.segmentation import segment
+from surefoot.world.simple_outlines import inset_outlines
+from surefoot.world.synthetic_terrain import stones
 from surefoot.world.terrain_file import write_terrain
 
 MASKS = arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 9)))
@@ -30,7 +35,8 @@ def area_of(ring: np.ndarray) -> float:
 @settings(max_examples=60, deadline=None)
 @given(MASKS)
 def test_contours_run_around_every_part_and_every_hole(mask: np.ndarray) -> None:
-    points, begins = contours(framed(mask))
+    wide = framed(mask)
+    points, begins = contours(wide, np.zeros_like(wide))
     rings = [points[a:b] for a, b in pairwise(begins.tolist())]
     parts = ndimage.label(mask)[1]
     holes = ndimage.label(np.pad(~mask, 1, constant_values=True), np.ones((3, 3)))[1] - 1
@@ -96,3 +102,17 @@ def test_polygons_stay_on_the_scan_and_off_its_holes(tmp_path: Path, seed: int, 
 def _polygons(path: Path) -> list[dict[str, object]]:
     found: list[dict[str, object]] = json.loads(path.read_text())["polygons"]
     return found
+
+
+@pytest.mark.parametrize("margin_cells", [0.0, 0.4, 1.0])
+def test_outlines_of_many_regions_are_those_of_each(margin_cells: float) -> None:
+    found = segment(stones(rows=3, columns=4, seed=2, yaw_rad=0.3, missing=0.01).elevation, SegmentOptions())
+    numbers = [k for k in range(1, found.regions + 1) if (found.labels == k).any()]
+    masks = [found.labels == k for k in numbers] + [np.eye(3, dtype=np.bool_), np.ones((1, 2), np.bool_)]
+    least = [2.0 + k % 5 for k in range(len(masks))]
+    around = [np.pad(found.holes, 2) if k % 3 else None for k in range(len(numbers))] + [None, None]
+    together = inset_outlines(masks, margin_cells, least, around)
+    for number, (shape, area) in enumerate(together):
+        alone, alone_area = inset_outline(masks[number], margin_cells, least[number], around[number])
+        assert shapely.equals(shape, alone) or shape.symmetric_difference(alone).area < 1e-9
+        assert area == pytest.approx(alone_area, abs=1e-9)

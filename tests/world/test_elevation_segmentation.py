@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from surefoot.errors import InputError
 from surefoot.world import CellClass, SegmentOptions, elevation_map, read_elevation, segment_terrain
+from surefoot.world.convex_core import convex_core
 from surefoot.world.convex_pieces import area_of, convex_pieces
 from surefoot.world.segmentation import find_dropouts
 from surefoot.world.synthetic_terrain import stairs, stones
@@ -69,7 +70,7 @@ def test_holes_stay_holes_and_dropouts_do_not() -> None:
     ground = shapely.union_all([shapely.polygons(polygon.vertices_m[:, :2]) for polygon in terrain.polygons])
     assert ground.distance(shapely.box(0.40, 0.60, 0.60, 0.80)) >= 0.0149
     assert ground.contains(shapely.Point(0.91, 0.29))
-    assert "dropouts" in " ".join(terrain.warnings)
+    assert "dropout" in " ".join(terrain.warnings)
     strict = segment_terrain(elevation_map(heights, 0.02), SegmentOptions(fill_m=0.0))
     holed = shapely.union_all([shapely.polygons(polygon.vertices_m[:, :2]) for polygon in strict.polygons])
     assert not holed.contains(shapely.Point(0.91, 0.29))
@@ -104,7 +105,7 @@ def test_bars_are_reported_or_kept_on_wish() -> None:
     assert bar.width_m == pytest.approx(0.03)
     assert bar.length_m == pytest.approx(1.0)
     assert bar.rise_m == pytest.approx(0.2)
-    assert "narrow raised things" in " ".join(terrain.warnings)
+    assert "narrow raised thing" in " ".join(terrain.warnings)
     assert (np.asarray(terrain.classes)[:, 50] == CellClass.NARROW).all()
     assert all(np.isclose(polygon.vertices_m[0, 2], -0.2) for polygon in terrain.polygons)
     (strip,) = (
@@ -214,3 +215,32 @@ def test_a_mesh_of_bars_over_nothing_gets_no_strip_through_its_holes() -> None:
     terrain = segment_terrain(elevation_map(mesh, 0.02), SegmentOptions(keep_narrow=True))
     assert terrain.narrow == ()
     assert all(polygon.region >= 0 for polygon in terrain.polygons)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.floats(0.2, 1.0), min_size=5, max_size=14))
+def test_the_convex_core_of_a_polygon_lies_in_it(radii: list[float]) -> None:
+    angles = np.linspace(0, 2 * np.pi, len(radii), endpoint=False)
+    star = shapely.polygons(np.column_stack((np.cos(angles), np.sin(angles))) * np.array(radii)[:, None])
+    core = convex_core(star)
+    assert len(core) >= 3
+    turned = np.roll(core, -1, axis=0) - core
+    following = np.roll(turned, -1, axis=0)
+    assert (turned[:, 0] * following[:, 1] - turned[:, 1] * following[:, 0] > 0).all()
+    assert shapely.difference(shapely.polygons(core), star).area < 1e-5
+    assert shapely.area(shapely.polygons(core)) > 0.1 * star.area
+
+
+def test_a_polygon_with_a_hole_has_no_core() -> None:
+    assert len(convex_core(shapely.box(0, 0, 4, 4).difference(shapely.box(1, 1, 2, 2)))) == 0
+
+
+def test_small_stones_are_found() -> None:
+    lost = 0
+    for seed in (1, 5):
+        truth = stones(seed=seed, yaw_rad=0.1 * seed, stone_m=0.10, gap_m=0.08)
+        terrain = segment_terrain(truth.elevation)
+        covered = shapely.union_all([shapely.polygons(one.vertices_m[:, :2]) for one in terrain.polygons])
+        tops = [shapely.buffer(shapely.polygons(top), -0.02, join_style="mitre") for top in truth.tops_m]
+        lost += sum(top.intersection(covered).area < 0.3 * top.area for top in tops)
+    assert lost <= 2

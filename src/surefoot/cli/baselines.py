@@ -42,7 +42,7 @@ def baselines(
         heuristic, certified = measure_nearest(seeds, say=say)
     pictures: list[Path] = []
     if output is not None:
-        from surefoot.viewer.baselines import draw_horizons, draw_nearest
+        from surefoot.viewer.studies.baselines import draw_horizons, draw_nearest
 
         output.mkdir(parents=True, exist_ok=True)
         pictures = [

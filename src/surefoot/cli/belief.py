@@ -57,7 +57,7 @@ def belief(
         answers = belief_study(scene.problem, corners_hide, turns, seed, Deadline.after(time_limit_s))
         pictures: tuple[Path, ...] = ()
         if output is not None:
-            from surefoot.viewer.belief_study import draw_belief_study
+            from surefoot.viewer.studies.belief import draw_belief_study
 
             say("drawing")
             pictures = draw_belief_study(scene, answers, output)

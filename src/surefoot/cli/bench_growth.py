@@ -86,7 +86,7 @@ def answer_growth(say: Say, picture: Path | None, *, as_json: bool) -> None:
     """Measure the growth, draw it if a picture is asked for, and end the command."""
     members = tuple(growth(say))
     if picture is not None:
-        from surefoot.viewer.growth_picture import draw_growth
+        from surefoot.viewer.studies.growth import draw_growth
 
         rows = [(member.family, member.size, member.solve_s) for member in members]
         draw_growth(picture, rows, LIMIT_S)

@@ -94,7 +94,7 @@ def _campaign(asked: Asked, say: Say) -> Iterator[Campaign]:
 def _pictures(campaign: Campaign, found: Measured, folder: Path | None) -> list[Path]:
     if folder is None:
         return []
-    from surefoot.viewer.quadruped_ways import draw_ways
+    from surefoot.viewer.studies.quadruped import draw_ways
 
     return draw_ways(campaign, found, folder)
 

@@ -13,7 +13,7 @@ def answer_scaling(say: Say, picture: Path | None, *, as_json: bool) -> None:
 
     rows = tuple(growth(say))
     if picture is not None:
-        from surefoot.viewer.scaling import draw_scaling
+        from surefoot.viewer.studies.scaling import draw_scaling
 
         draw_scaling(rows, picture)
     lines = [f"{'grows':<10}{'size':>6}{'cells':>7}{'obstacles':>11}{'turns':>12}{'CPU [s]':>9}{'peak [MB]':>11}"]

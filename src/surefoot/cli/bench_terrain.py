@@ -18,7 +18,7 @@ REPEATS = 5
 def terrain_figures(say: Callable[[str], None]) -> Iterator[Figure]:
     """Measure the segmentation of large maps, and of noisy stairs and stones against what they truly are."""
     from surefoot.missions.figures import Figure
-    from surefoot.world.segmentation import warm_up
+    from surefoot.world.scanned_terrain import warm_up
     from surefoot.world.synthetic_terrain import stairs, stones
 
     warm_up()

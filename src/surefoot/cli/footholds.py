@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.cli.failures import ExitCode
-from surefoot.cli.output import AsJson, answer, facts, jsonable
+from surefoot.cli.output import PICTURES, AsJson, answer, facts, jsonable, to_write
 
 if TYPE_CHECKING:
     from surefoot.footholds import FreeAnswer, Problem, Solution
@@ -24,8 +24,12 @@ _ProblemFile = Annotated[
 @app.command("solve")
 def solve(
     problem: _ProblemFile,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="The plan file to write.")] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="A picture (PNG) to draw.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", callback=to_write(), help="The plan file to write.")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", callback=to_write(*PICTURES), help="A picture (PNG) to draw.")
+    ] = None,
     time_limit_s: Annotated[
         float | None, typer.Option("--time-limit", min=1e-3, max=86400, help="Overrides the file's, in seconds.")
     ] = None,
@@ -35,7 +39,10 @@ def solve(
     gap: Annotated[float | None, typer.Option("--gap", min=1e-9, max=0.99, help="Overrides the file's.")] = None,
     first: Annotated[bool, typer.Option("--first", help="Stop at the first plan.")] = False,
     gait: Annotated[
-        Path | None, typer.Option("--gait", help="A gait file to write, as OCS2 users read it.", show_default=False)
+        Path | None,
+        typer.Option(
+            "--gait", callback=to_write(), help="A gait file to write, as OCS2 users read it.", show_default=False
+        ),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -76,7 +83,7 @@ def solve(
         _write_gait(gait, read, solution)
     if plot is not None:
         from surefoot.footholds.plan_file import plan_document
-        from surefoot.viewer.footholds import draw_plan
+        from surefoot.viewer.terrain.footholds import draw_plan
 
         draw_plan(plan_document(read, solution, plot.parent), plot)
     _say(read, solution, as_json=as_json)
@@ -145,18 +152,21 @@ def retarget(problem: _ProblemFile, as_json: AsJson = False) -> None:
     from surefoot.footholds import read_problem
     from surefoot.footholds import retarget as find
 
-    found = find(read_problem(problem))
+    found = find(read_problem(problem), why=True)
     shown: dict[str, Any] = {}
     if found.position_m is not None and found.feet_m is not None:
         shown = {"position [m]": found.position_m.tolist(), "moved [m]": found.shift_m, "polygons": found.polygons}
-    lines = [found.verdict.capitalize(), *facts({**shown, "time to solve [ms]": found.solve_ms})]
+    why = [f"  because: {found.reason}"] if found.reason else []
+    lines = [found.verdict.capitalize(), *why, *facts({**shown, "time to solve [ms]": found.solve_ms})]
     answer(found, lines, yes=found.verdict == "feasible", as_json=as_json)
 
 
 @app.command("animate")
 def animate(
     plan: Annotated[Path, typer.Argument(metavar="PLAN", help="A plan file.", show_default=False)],
-    output: Annotated[Path, typer.Option("-o", "--output", help="The animation (GIF) to write.")] = Path("plan.gif"),
+    output: Annotated[
+        Path, typer.Option("-o", "--output", callback=to_write(".gif"), help="The animation (GIF) to write.")
+    ] = Path("plan.gif"),
     as_json: AsJson = False,
 ) -> None:
     """Animate a plan: terrain, base, feet and forces over time.
@@ -164,7 +174,7 @@ def animate(
     Examples:
       surefoot footholds animate plan.json -o plan.gif
     """
-    from surefoot.viewer.footholds import animate_plan
+    from surefoot.viewer.terrain.footholds import animate_plan
 
     frames = animate_plan(plan, output)
     answer(

@@ -29,7 +29,11 @@ def obstacle_lines(obstacles: Sequence[dict[str, Any]], cells: int) -> list[str]
     """Return lines that tell how many cells are obstacles by which measure, each with an example."""
     deciding = [" and ".join(one.measure for one in obstacle["why"]) for obstacle in obstacles]
     examples = dict(zip(reversed(deciding), reversed(obstacles), strict=True))
-    lines = [f"  {len(obstacles)} of {cells} cells are obstacles"] if obstacles else []
+    lines = (
+        [f"  {len(obstacles)} of {cells} cells {'is an obstacle' if len(obstacles) == 1 else 'are obstacles'}"]
+        if obstacles
+        else []
+    )
     for measures, count in Counter(deciding).most_common(_SHOWN):
         cell, text = examples[measures]["cell"], examples[measures]["text"]
         lines.append(f"    {count} by {measures}; in cell {list(cell)} {text}")

@@ -17,6 +17,24 @@ from surefoot.cli.failures import ExitCode
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else.")]
 Say = Callable[[str], None]
+PICTURES = (".png",)
+
+
+def to_write(*suffixes: str) -> Callable[[Path | None], Path | None]:
+    """Return what looks at an option that names a file to write, before any work is done.
+
+    Args:
+        suffixes: that the file may have; none means any.
+    """
+
+    def looked_at(path: Path | None) -> Path | None:
+        if path is not None:
+            from surefoot.compute import check_writable
+
+            check_writable(path, suffixes)
+        return path
+
+    return looked_at
 
 
 def answer(value: object, lines: Sequence[str], *, yes: bool, as_json: bool) -> None:
@@ -30,6 +48,11 @@ def answer(value: object, lines: Sequence[str], *, yes: bool, as_json: bool) -> 
     """
     print(json.dumps(jsonable(value)) if as_json else "\n".join(lines))
     raise typer.Exit(int(ExitCode.YES if yes else ExitCode.NO))
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun, in the plural unless it is 1."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def facts(pairs: Mapping[str, object]) -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from surefoot.cli.output import AsJson, answer, facts, progress
+from surefoot.cli.output import PICTURES, AsJson, answer, facts, progress, to_write
 
 if TYPE_CHECKING:
     from surefoot.reach import Region, Settings
@@ -62,7 +62,10 @@ def reach(
         bool, typer.Option("--first-only", help="Keep one winning omega per cell instead of all: faster.")
     ] = False,
     save: Annotated[Path | None, typer.Option(metavar="FILE", help="Save to FILE.json and FILE.npz.")] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Draw the regions into a PNG file.")] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", callback=to_write(*PICTURES), help="Draw the regions into a PNG file."),
+    ] = None,
     pictures: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Draw regions, pushed steps and a map of pushes in there.")
     ] = None,
@@ -113,11 +116,11 @@ def _write(region: Region, save: Path | None, plot: Path | None, pictures: Path 
 
         files.extend(save_region(region, save))
     if plot is not None:
-        from surefoot.viewer.regions import draw_region
+        from surefoot.viewer.steps.regions import draw_region
 
         files.append(draw_region(region, plot))
     if pictures is not None and region.emptied_by is None:
-        from surefoot.viewer.regions import draw_all
+        from surefoot.viewer.steps.regions import draw_all
 
         files.extend(draw_all(region, pictures))
     return files

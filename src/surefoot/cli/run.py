@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _FINDINGS = 5
 _BIPED = ("plan", "steps", "seed", "obstacle", "script", "pushes", "push_size", "push_side_size", "push_rate")
-_QUADRUPED = ("library", "start", "goal", "classes", "events", "delay")
+_QUADRUPED = ("library", "start", "goal", "classes", "events", "delay", "joint_reach")
 
 
 class Obstacle(StrEnum):
@@ -70,6 +70,9 @@ def run(
     delay: Annotated[
         str | None, typer.Option(metavar="S,...", help="Of a quadruped: seconds added to planning, in turns.")
     ] = None,
+    joint_reach: Annotated[
+        bool, typer.Option("--joint-reach", help="Of a quadruped: keep feet where its legs reach, by their joints.")
+    ] = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="The folder for the run.")] = Path("run"),
     view: Annotated[
         bool, typer.Option("--view", help="Show it in the browser, while it walks and until Ctrl-C.")
@@ -132,9 +135,10 @@ def run(
     _refuse_others(context, _BIPED if quadruped else _QUADRUPED, "biped" if quadruped else "quadruped")
     if quadruped:
         from surefoot.missions.quadruped import QuadrupedOrder
+        from surefoot.missions.quadruped_crossing import OnlineLimits
 
-        ends = place(start, "--start"), place(goal, "--goal")
-        order = QuadrupedOrder(scenario, library, *ends, events=events, delay=delay, classes=classes)
+        ends, limits = (place(start, "--start"), place(goal, "--goal")), OnlineLimits(joint_reach=joint_reach)
+        order = QuadrupedOrder(scenario, library, *ends, events=events, delay=delay, classes=classes, limits=limits)
         with watched(output, port, wanted=view):
             answer_quadruped(order, output, as_json=as_json)
     if (script is not None) != (obstacle is Obstacle.SCRIPTED):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.cli.failures import ExitCode
-from surefoot.cli.output import AsJson, answer, facts, jsonable, progress
+from surefoot.cli.output import PICTURES, AsJson, answer, counted, facts, jsonable, progress, to_write
 
 if TYPE_CHECKING:
     from surefoot.skills.classes import ClassSet
@@ -43,8 +43,13 @@ def terrain(
     no_sideways: Annotated[
         bool, typer.Option("--no-sideways", help="With --yaw: it walks forward and backward only.")
     ] = False,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="The terrain file to write.")] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="A picture (PNG): polygons and classes.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", callback=to_write(".yaml", ".yml"), help="The terrain file to write."),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", callback=to_write(*PICTURES), help="A picture (PNG): polygons and classes.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Make or read the terrain of a quadruped, and say which terrain states its map holds.
@@ -74,7 +79,7 @@ def terrain(
     if output is not None:
         write_terrain(output, made)
     if plot is not None:
-        from surefoot.viewer.skills_terrain import draw_quadruped_terrain
+        from surefoot.viewer.terrain.classes import draw_quadruped_terrain
 
         draw_quadruped_terrain(made, plot)
     grids = () if states is None else states.states
@@ -135,7 +140,9 @@ def classes(
     name: Annotated[
         str, typer.Argument(metavar="SET", help="A set of classes, or a file of rules.", show_default=False)
     ],
-    plot: Annotated[Path | None, typer.Option("--plot", help="A picture (PNG) of every class.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", callback=to_write(*PICTURES), help="A picture (PNG) of every class.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Show a set of terrain classes: what they are, and the worst case that physics certifies.
@@ -148,7 +155,7 @@ def classes(
     """
     shown = class_set_of(name)
     if plot is not None:
-        from surefoot.viewer.skills_terrain import draw_classes
+        from surefoot.viewer.terrain.classes import draw_classes
 
         draw_classes(shown, plot)
     value = {
@@ -198,7 +205,10 @@ def physics(
     ] = None,
     workers: Annotated[int | None, typer.Option(help="Processes; default: one per core.", min=1, max=256)] = None,
     why: Annotated[bool, typer.Option("--why/--no-why", help="Explain what is infeasible, which takes time.")] = False,
-    plot: Annotated[Path | None, typer.Option("--plot", help="A picture (PNG): from which class to which.")] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option("--plot", callback=to_write(*PICTURES), help="A picture (PNG): from which class to which."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Ask physics which primitives a gait can do, on the worst cases of the classes.
@@ -221,7 +231,7 @@ def physics(
     begin = time.perf_counter()
     results: list[CheckResult] = []
     with progress() as say:
-        say(f"checking {len(asked)} primitives of {rules.name}")
+        say(f"checking {counted(len(asked), 'primitive')} of {rules.name}")
         for one in checks(asked):
             results.append(one)
             if len(results) % 25 == 0:
@@ -229,7 +239,7 @@ def physics(
     taken = time.perf_counter() - begin
     results.sort(key=lambda one: one.primitive)
     if plot is not None:
-        from surefoot.viewer.skills_terrain import draw_physics
+        from surefoot.viewer.terrain.classes import draw_physics
 
         draw_physics(rules, results, plot)
     value = _summary(results, taken) | {"files": [str(plot)] if plot is not None else []}
@@ -288,4 +298,4 @@ def _lines(results: Sequence[CheckResult], value: dict[str, Any]) -> list[str]:
         + (f" ({one.gait})" if one.verdict.value == "feasible" else f" ({one.explanation})" if one.explanation else "")
         for one in results
     ]
-    return [f"{len(results)} primitives", *facts(told), *(each if len(results) <= 64 else [])]
+    return [counted(len(results), "primitive"), *facts(told), *(each if len(results) <= 64 else [])]

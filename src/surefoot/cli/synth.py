@@ -27,7 +27,7 @@ from surefoot.cli.gr1 import (
     warning_lines,
     warning_objects,
 )
-from surefoot.cli.output import AsJson, facts, jsonable, progress
+from surefoot.cli.output import AsJson, facts, jsonable, progress, to_write
 
 if TYPE_CHECKING:
     from surefoot.logic import Specification, Transducer
@@ -53,7 +53,9 @@ class Certified:
 
 def synth(
     spec: Annotated[Path, typer.Argument(help="A slugsin or structuredslugs file.", show_default=False)],
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="The file for the strategy, JSON.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", callback=to_write(), help="The file for the strategy, JSON.")
+    ] = None,
     semantics: SemanticsOption = Semantics.SLUGS,
     engine: EngineOption = EngineName.AUTO,
     env_dead_end: DeadEndOption = DeadEnd.WINS,
@@ -80,13 +82,11 @@ def synth(
     Exit code 0: realizable; 1: unrealizable; 2: the specification cannot be
     used; 3: a limit was reached.
     """
-    from surefoot.compute import check_writable, peak_memory_mb
+    from surefoot.compute import peak_memory_mb
     from surefoot.logic import read_specification
 
     begun = time.process_time()
     specification = read_specification(spec)
-    if output is not None:
-        check_writable(output)
     with progress() as say:
         say(f"solving {spec.name}")
         solved = solve(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from surefoot.cli.output import AsJson, answer, facts
+from surefoot.cli.output import PICTURES, AsJson, answer, facts, to_write
 from surefoot.cli.terrain_lay import lay
 
 if TYPE_CHECKING:
@@ -63,8 +63,12 @@ def segment(
     keep_narrow: Annotated[
         bool, typer.Option("--keep-narrow", help="Turn narrow raised things (bars) into strips 1 cm wide.")
     ] = False,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="The terrain file to write.")] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="A picture (PNG) to draw.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", callback=to_write(".json"), help="The terrain file to write.")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", callback=to_write(*PICTURES), help="A picture (PNG) to draw.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Turn a scan into convex, planar polygons that a foot may stand on.
@@ -103,7 +107,7 @@ def segment(
 
         write_terrain(output, terrain, options, source, reading)
     if plot is not None:
-        from surefoot.viewer.terrain import draw_terrain
+        from surefoot.viewer.terrain.scan import draw_terrain
 
         draw_terrain(terrain, scan, plot, title=source.name, options=options)
     _say(terrain, output, plot, total_s, as_json=as_json)
@@ -140,7 +144,7 @@ def _segmented(
         message=message,
         no_data=given["no-data"],  # type: ignore[arg-type]
     )
-    from surefoot.world.segmentation import warm_up
+    from surefoot.world.scanned_terrain import warm_up
 
     warm_up()
     return segment_terrain(scan, options), scan, scan.reading

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli.output import AsJson, answer, facts
+from surefoot.cli.output import PICTURES, AsJson, answer, facts, to_write
 from surefoot.cli.run_quadruped import place
 
 if TYPE_CHECKING:
@@ -39,8 +39,13 @@ def lay(
         str | None, typer.Option(metavar="X,Y", help="Where the robot starts, in metres of the scan.")
     ] = None,
     goal: Annotated[str | None, typer.Option(metavar="X,Y", help="Where it is to go, in metres of the scan.")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="The terrain file (YAML) to write.")] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="A picture (PNG): polygons and classes.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", callback=to_write(".yaml", ".yml"), help="The terrain file (YAML) to write."),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", callback=to_write(*PICTURES), help="A picture (PNG): polygons and classes.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Lay cells over a scan so that edges of steps and stones fall on their sides.
@@ -72,7 +77,7 @@ def lay(
     if output is not None:
         write_terrain(output, terrain)
     if plot is not None:
-        from surefoot.viewer.skills_terrain import draw_quadruped_terrain
+        from surefoot.viewer.terrain.classes import draw_quadruped_terrain
 
         draw_quadruped_terrain(terrain, plot)
     files = [str(file) for file in (output, plot) if file is not None]
@@ -148,7 +153,7 @@ def _say(
         "goal_m": None if terrain.goal_m is None else list(terrain.goal_m),
         **measured,
     }
-    yes = laid.arrives and not blocked and len(laid.part) > 1
+    yes = laid.arrives and not blocked
     head = "There is a way" if yes else "There is NO way by the rules of the classes"
     lines = [
         f"{head} from start to goal, on cells of {terrain.cell_m:g} m ({terrain.classes.name})",
@@ -167,6 +172,6 @@ def _ends(laid: Lay) -> str:
     if not part:
         return "  nobody can stand in any cell, so there is neither start nor goal"
     if part == 1:
-        return "  there is one cell to stand in, and nowhere to go from it"
+        return "  there is one cell to stand in, for start and goal alike"
     left = f"; no way was looked for to the other {beside} in which one can stand" if beside else ""
     return f"  what was not given of start and goal was chosen among the {part} connected cells{left}"

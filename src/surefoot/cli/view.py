@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from surefoot.cli.output import AsJson, answer
+from surefoot.cli.output import AsJson, answer, to_write
 from surefoot.errors import InputError
 
 if TYPE_CHECKING:
-    from surefoot.viewer.answers import Asked
+    from surefoot.viewer.maps.answers import Asked
 
 
 class BodyChoice(StrEnum):
@@ -50,14 +50,22 @@ def view(
         int | None, typer.Option(min=0, help="Of a biped's run: this step, its push and the strategy around it.")
     ] = None,
     html: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write a page: a run or footholds in motion, a strategy to ask.")
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            callback=to_write(".html", ".htm"),
+            help="Write a page: a run or footholds in motion, a strategy to ask.",
+        ),
     ] = None,
     body: Annotated[
         BodyChoice | None,
         typer.Option(help="Of --html: the robot's body; default: its own meshes if installed, else simple."),
     ] = None,
     mcap: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Record it as ROS 2 messages, for Foxglove and rosbag2.")
+        Path | None,
+        typer.Option(
+            metavar="FILE", callback=to_write(".mcap"), help="Record it as ROS 2 messages, for Foxglove and rosbag2."
+        ),
     ] = None,
     follow: Annotated[
         bool,
@@ -129,12 +137,8 @@ def _one_way(*, follow: bool, page: bool, step: bool, cell: bool) -> None:
 
 def _write(path: Path, html: Path | None, body: BodyChoice | None, mcap: Path | None, *, as_json: bool) -> None:
     """Write a page, a recording, or both; what had to be drawn otherwise than it was planned is said."""
-    from surefoot.compute import check_writable
     from surefoot.viewer import view_bag, view_page
 
-    for file in (html, mcap):
-        if file is not None:
-            check_writable(file)
     written: dict[str, object] = {}
     remarks: list[str] = []
     if html is not None:
@@ -148,8 +152,8 @@ def _write(path: Path, html: Path | None, body: BodyChoice | None, mcap: Path | 
 def _follow(path: Path, port: int | None, *, as_json: bool) -> None:
     """Serve a run, or the strategy of a plan, until the user has seen enough."""
     from surefoot.viewer import kinds
-    from surefoot.viewer.live import follow
-    from surefoot.viewer.live_strategy import serve_strategy
+    from surefoot.viewer.live.strategy import serve_strategy
+    from surefoot.viewer.live.view import follow
 
     def say(address: str) -> None:
         print(f"open {address} with a browser of this machine; Ctrl-C ends the view", file=sys.stderr, flush=True)
@@ -163,7 +167,7 @@ def _follow(path: Path, port: int | None, *, as_json: bool) -> None:
 def _asked(cell: str, heading: Heading | None, goal: int | None) -> Asked:
     """Return the robot state that was asked about."""
     from surefoot.frames import Cell, Direction
-    from surefoot.viewer.answers import Asked
+    from surefoot.viewer.maps.answers import Asked
 
     parts = cell.split(",")
     if len(parts) != 2 or not all(part.strip().isdecimal() and len(part) < 9 for part in parts):

@@ -29,7 +29,7 @@ def watched(run_dir: Path, port: int | None, *, wanted: bool) -> Iterator[None]:
             raise InputError("--port belongs to --view; give both or only --view")
         yield
         return
-    from surefoot.viewer.live_beside import watching
+    from surefoot.viewer.live.beside import watching
 
     with watching(run_dir, port) as view:
         print(f"open {view.address} with a browser of this machine", file=sys.stderr, flush=True)

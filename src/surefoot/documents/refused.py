@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -14,6 +15,7 @@ from surefoot.documents.yaml_lines import Loc, dotted
 from surefoot.errors import InputError
 
 _SHOWN_CHARACTERS = 60
+_CHOICE = re.compile(r"needs (?P<wanted>.*), not (?P<given>.*)", re.DOTALL)
 _MOST_PROBLEMS = 50
 
 
@@ -45,13 +47,25 @@ def problems_of(
         path: the file.
         lines: where each place stands in it.
     """
-    found: dict[tuple[Loc, str], InputError] = {}
+    found: dict[Loc, list[str]] = {}
     for detail in _about_what_was_meant(_without_miscounts(refused.errors(include_url=False)), schema):
         for loc, message in _places(detail, schema):
-            found.setdefault(
-                (loc, message), InputError(message, source=path, line=_line(loc, lines), key=dotted(loc) or None)
-            )
-    return list(found.values())
+            found.setdefault(loc, []).append(message)
+    return [
+        InputError(message, source=path, line=_line(loc, lines), key=dotted(loc) or None)
+        for loc, messages in found.items()
+        for message in _as_choices(list(dict.fromkeys(messages)))
+    ]
+
+
+def _as_choices(messages: list[str]) -> list[str]:
+    """Return what is said about one place, with one sentence for all choices that were not met there."""
+    parts = [_CHOICE.fullmatch(message) for message in messages]
+    given = {part["given"] for part in parts if part is not None}
+    if len(messages) < 2 or None in parts or len(given) != 1:
+        return messages
+    wanted = ", or ".join(part["wanted"] for part in parts if part is not None)
+    return [f"needs {wanted}; not {given.pop()}"]
 
 
 def _without_miscounts(details: Sequence[ErrorDetails]) -> list[ErrorDetails]:

@@ -9,7 +9,7 @@ fixed seed, in rounds: from the best plan, and by turns from other families of g
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,10 +17,10 @@ from surefoot.footholds.assembly import Parts
 from surefoot.footholds.cells import Cells, fixed
 from surefoot.footholds.model import Choice
 from surefoot.footholds.moves import proposal
-from surefoot.footholds.nodes import ReducedProgram, WholeProgram
+from surefoot.footholds.nodes import WholeProgram
 from surefoot.footholds.problem import Problem
-from surefoot.footholds.rows import Array
-from surefoot.footholds.solve import cheapest, slack
+from surefoot.footholds.solve import cheapest
+from surefoot.footholds.tables import Tables, Trial, polygons_after
 
 _HOT, _WARM, _COOL, _COLD = 0.1, 0.02, 0.005, 5e-4
 _FIRST_ROUND, _GROWTH = 200, 1.2
@@ -29,24 +29,8 @@ _NEAR_M = 0.4
 _AGAIN = 0.25
 _POLISH_GAP = 2e-3
 _ROUGH_GAP = 0.3
+_HOPELESS = 4.0
 _MOST_KEPT = 20_000
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Trial:
-    """A plan.
-
-    Attributes:
-        cells: its contact table.
-        choice: its polygons.
-        value: its cost, without that of the orientation.
-        feet: positions, shape (N, 4, 3).
-    """
-
-    cells: Cells
-    choice: Choice
-    value: float
-    feet: Array
 
 
 class Annealing:
@@ -67,11 +51,14 @@ class Annealing:
     ) -> None:
         self.problem = replace(problem, options=replace(problem.options, gap=_POLISH_GAP, first_plan=False))
         self.parts, self.stop = parts, stop
+        self.tables, options = Tables(problem), problem.options
+        self.plain = not (options.collision or options.moment_balance or options.com_support_m is not None)
         self.here: Trial | None = None
         self.best: Trial | None = None
         self.polished: Trial | None = None
         self.starts = starts
-        self.begun: set[str] = set()
+        self.begun: set[tuple[str, int]] = set()
+        self.others = self._others()
         self.scale, self.heat = 0.0, _COOL
         self.chance = np.random.default_rng(0)
         self.done, self.rounds, self.length = 0, 0, _FIRST_ROUND
@@ -118,25 +105,36 @@ class Annealing:
         """Begin a round: by turns from a plan of another family, and from the best plan, its polygons searched."""
         assert self.best is not None
         self.done, self.rounds, self.length = 0, self.rounds + 1, int(self.length * _GROWTH)
-        other = self._other_start() if self.rounds % 2 else None
+        other = next(self.others, None) if self.rounds % 2 else None
         better = None if other is not None else self._polished()
         self.here = other or self.best
         self.scale, self.heat = self.here.value, _WARM if other is None else _HOT
         return better
 
-    def _other_start(self) -> Trial | None:
+    def _others(self) -> Iterator[Trial]:
+        """Yield plans to begin rounds with, of different families: the cheapest first where they are found quickly."""
+        if self.plain:
+            begun = [(one, name) for name, cells in self.starts for one in [self._begun(cells)] if one is not None]
+            for one, name in sorted(begun, key=lambda pair: pair[0].value):
+                if (name, len(one.choice)) not in self.begun:
+                    self.begun.add((name, len(one.choice)))
+                    yield one
+            return
         for name, cells in self.starts:
-            if self.stop():
-                return None
-            if name not in self.begun:
+            if (name, 0) not in self.begun and not self.stop():
                 at = fixed(self.problem, cells)
                 rough = replace(at, options=replace(at.options, gap=_ROUGH_GAP))
                 choice = cheapest(rough, cancelled=self.stop, worth=np.inf, parts=self.parts)[1]
                 found = None if choice is None else self._tried(cells, choice, np.inf)
                 if found is not None:
-                    self.begun.add(name)
-                    return found
-        return None
+                    self.begun.add((name, 0))
+                    yield found
+
+    def _begun(self, cells: Cells) -> Trial | None:
+        """Return a plan of a contact table on the polygons that are nearest to where its feet are expected."""
+        if self.best is None or self.stop():
+            return None
+        return self._tried(cells, self.tables.nearest(cells), _HOPELESS * self.best.value)
 
     def _polished(self) -> Trial | None:
         """Search the polygons of the best plan; return what is better."""
@@ -158,26 +156,20 @@ class Annealing:
         if known >= worth:
             return None
         self.idle = 0
-        found = self._tried(cells, choice, worth)
+        found = self._tried(cells, choice, worth, self.here)
         if len(self.known) < _MOST_KEPT:
             self.known[key] = worth if found is None else found
         return found
 
-    def _tried(self, cells: Cells, choice: Choice, worth: float) -> Trial | None:
+    def _tried(self, cells: Cells, choice: Choice, worth: float, near: Trial | None = None) -> Trial | None:
         """Return the plan of a contact table with given polygons, or None when it costs as much as ``worth``."""
-        at = fixed(self.problem, cells)
         self.programs += 1
-        if at.options.collision:
+        if self.plain:
+            return self.tables.tried(cells, choice, worth, near)
+        at = fixed(self.problem, cells)
+        if not at.options.moment_balance:
             return self._searched(at, cells, worth)
-        program: ReducedProgram | WholeProgram
-        if at.options.moment_balance:
-            program = WholeProgram(at)
-            node = program.solve(choice)
-        else:
-            program = ReducedProgram(at, forces=False, parts=self.parts)
-            node = program.solve(choice)
-            if node.answer.feasible and node.answer.value < worth and not slack(at, program, choice, node):
-                node = ReducedProgram(at, forces=True, parts=self.parts).solve(choice)
+        node = WholeProgram(at).solve(choice)
         if not node.answer.feasible or not node.answer.value < worth:
             return None
         return Trial(cells, choice, node.answer.value, node.feet)
@@ -199,33 +191,14 @@ class Annealing:
             cells = proposal(cells, self.problem.options.min_dwell_cells, self.chance)
         if cells is None:
             return None
-        return cells, () if collision else polygons_for(self.problem, here, cells)
+        return cells, () if collision else polygons_after(self.problem, here, cells)
 
     def _stepped_elsewhere(self, here: Trial) -> Choice | None:
         """Return the choice with one footstep on another polygon nearby."""
-        steps = fixed(self.problem, here.cells).footsteps
-        if not steps:
+        if not here.choice:
             return None
-        number = int(self.chance.integers(len(steps)))
-        point = here.feet[steps[number].touch, steps[number].foot]
-        near = [
-            r
-            for r, one in enumerate(self.problem.polygons)
-            if (r,) != here.choice[number] and float(np.linalg.norm(one.nearest(point) - point)) < _NEAR_M
-        ]
+        number = int(self.chance.integers(len(here.choice)))
+        near = [r for r in self.tables.near(here, number, _NEAR_M) if (r,) != here.choice[number]]
         if not near:
             return None
-        return (*here.choice[:number], (int(self.chance.choice(near)),), *here.choice[number + 1 :])
-
-
-def polygons_for(problem: Problem, before: Trial, cells: Cells) -> Choice:
-    """Return polygons for the footsteps of a contact table: those on which each foot stood about then."""
-    support = fixed(problem, before.cells).support_index
-    found = []
-    for step in fixed(problem, cells).footsteps:
-        stood = support[:, step.foot]
-        held = np.flatnonzero(stood > -2)
-        middle = (step.touch + step.leave) // 2
-        number = int(stood[held[np.abs(held - middle).argmin()]])
-        found.append(before.choice[number] if number >= 0 else (problem.start_polygons[step.foot],))
-    return tuple(found)
+        return (*here.choice[:number], (near[int(self.chance.integers(len(near)))],), *here.choice[number + 1 :])

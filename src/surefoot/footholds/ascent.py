@@ -1,136 +1,154 @@
-"""Better and better prices for the bound over all gaits: deflected subgradient steps of Polyak's length."""
+"""Better and better prices for the bound over all gaits: the smooth bound at falling heats, by quasi-Newton steps."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize
 
-from surefoot.footholds.cells import cell_count, cell_samples
-from surefoot.footholds.dual import Priced, Pricing
-from surefoot.footholds.model import gravity
-from surefoot.footholds.nodes import Node
-from surefoot.footholds.problem import Problem
-from surefoot.footholds.rows import FAMILIES, Array
-from surefoot.footholds.sharing import Prices, contact_prices, savings, upwards
+from surefoot.footholds.dual import Pricing
+from surefoot.footholds.mixture import Mixture, mixture_at
+from surefoot.footholds.rows import Array
+from surefoot.footholds.sharing import Prices
 
-_FEET_EXPECTED = 2.7
-_REACH_SCALE, _CONTACT_SCALE = 1000.0, 300.0
-_DEFLECTION = 0.7
-_LENGTH = 0.3
-_PATIENCE = 12
-_SHRINK = 0.6
-_HOPE = 0.97
-_LEAST_LENGTH = 1e-3
+_REACH_SCALE, _PULL_SCALE, _CONTACT_SCALE, _WALL_SCALE = 1000.0, 3.0, 300.0, 1000.0
+_WORTH_SCALE = 0.01
+_MEMORY = 20
+_EASE = 1e-6
+_IMPOSSIBLE = 1e6
 
 
-def prices_of_node(problem: Problem, node: Node) -> Prices:
-    """Return the prices at which the solution of a program is the best one of its gait: its multipliers.
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """One part of an ascent.
 
-    Where forces are shared equally, the pull is w F / n; in flight, and where forces are unknowns, it is half the
-    multiplier of Newton's law. A foot in contact is paid what it saves.
+    Attributes:
+        heat: of the mixture, as a part of the worth.
+        steps: how many at most.
     """
-    multipliers, where = node.answer.multipliers, node.rows.where
-    reach = np.zeros((problem.samples, 4, 3))
-    chosen = node.rows.family == FAMILIES.index("reach")
-    reach[where[chosen, 0], where[chosen, 1], where[chosen, 2]] = multipliers[chosen]
-    assert node.motion is not None
-    terms = node.motion.base_acceleration
-    acceleration = sum(np.asarray(factor) * quantity.at(node.answer.unknowns) for factor, quantity in terms)
-    counts = np.maximum(problem.contacts.sum(axis=1), 1)[:, None]
-    pull = problem.weights.force * problem.robot.mass_kg * (np.asarray(acceleration) - gravity(problem)) / counts
-    law = (node.rows.family == FAMILIES.index("flight")) | (node.rows.family == FAMILIES.index("dynamics"))
-    pull[where[law, 0], where[law, 1]] = multipliers[law] / 2
-    return with_contacts(problem, Prices(reach, pull, np.zeros(cell_count(problem))), problem.contacts.sum(axis=1))
+
+    heat: float
+    steps: int
 
 
-def with_contacts(problem: Problem, prices: Prices, held: Array) -> Prices:
-    """Return prices with those of contact at which so many feet, by sample, are best."""
-    by_cell = np.asarray(held, dtype=np.float64)[:: cell_samples(problem)]
-    return replace(prices, contact=contact_prices(savings(problem, prices), by_cell))
+@dataclass(frozen=True, slots=True, eq=False)
+class Ascended:
+    """Where an ascent ended.
+
+    Attributes:
+        prices: the last ones.
+        mixture: what they prove at the last heat; None where no pattern is allowed.
+    """
+
+    prices: Prices
+    mixture: Mixture | None
 
 
-def repriced(pricing: Pricing, prices: Prices, split: float) -> Prices:
-    """Return prices that pay a share of the base's acceleration with the force, and move the base as before."""
-    problem = pricing.problem
-    world = np.einsum("iab,ijb->ija", problem.rotations, prices.reach)
-    _, _, force = pricing.base(world.sum(axis=1), prices)
-    acceleration = force / problem.robot.mass_kg - upwards(problem)
-    share = (split - prices.split) * problem.weights.acceleration / problem.robot.mass_kg
-    shared = replace(prices, pull=prices.pull + share * acceleration, split=split)
-    return with_contacts(problem, shared, np.full(problem.samples, _FEET_EXPECTED))
-
-
-def even_prices(problem: Problem) -> Prices:
-    """Return prices for a base that moves evenly on some three feet: reach is free, force costs what weight does."""
-    pull = np.zeros((problem.samples, 3))
-    pull[:, 2] = problem.weights.force * problem.robot.mass_kg * problem.gravity_mps2 / _FEET_EXPECTED
-    bare = Prices(np.zeros((problem.samples, 4, 3)), pull, np.zeros(cell_count(problem)))
-    return with_contacts(problem, bare, np.full(problem.samples, _FEET_EXPECTED))
-
-
-class Ascent:
-    """A walk up the bound.
+def ascended(
+    pricing: Pricing,
+    start: Prices,
+    stages: Sequence[Stage],
+    worth: float,
+    *,
+    enough: float = np.inf,
+    stop: Callable[[], bool] = lambda: False,
+) -> Ascended:
+    """Raise the smooth bound.
 
     Args:
-        pricing: evaluates prices.
-        start: first prices.
+        pricing: its footholds are points; its region's bounds get multipliers.
+        start: prices to start from.
+        stages: one after the other.
+        worth: cost of the best plan.
+        enough: a bound at which to stop.
+        stop: asked now and then.
+    """
+    layout = _Layout(pricing, start)
+    at = layout.packed(start)
+    scale, last = _WORTH_SCALE * worth, None
+    for stage in stages:
+        walk = _Walk(layout, stage.heat * worth, scale, enough, stop)
+        answer = minimize(
+            walk.value, at, jac=True, method="L-BFGS-B", bounds=layout.bounds, callback=walk.checked,
+            options={"maxiter": stage.steps, "maxfun": 2 * stage.steps, "maxcor": _MEMORY, "ftol": _EASE, "gtol": 1e-9},
+        )  # fmt: skip
+        at, last = answer.x, walk.last
+        if last is None or walk.ended:
+            break
+    return Ascended(layout.prices(at), last)
+
+
+class _Walk:
+    """One stage: what is minimised, and when to end."""
+
+    def __init__(self, layout: _Layout, heat: float, scale: float, enough: float, stop: Callable[[], bool]) -> None:
+        self.layout, self.heat, self.scale, self.enough, self.stop = layout, heat, scale, enough, stop
+        self.last: Mixture | None = None
+        self.ended = False
+
+    def value(self, at: Array) -> tuple[float, Array]:
+        mixture = mixture_at(self.layout.pricing, self.layout.prices(at), self.heat)
+        if not np.isfinite(mixture.value):
+            self.last = None
+            return -_IMPOSSIBLE, np.zeros_like(at)
+        self.last = mixture
+        value, slope = self.layout.slope(at, mixture)
+        return -value / self.scale, -slope / self.scale
+
+    def checked(self, intermediate_result: object) -> None:
+        fun = float(intermediate_result.fun)  # type: ignore[attr-defined]
+        self.ended = self.stop() or -fun * self.scale > self.enough
+        if self.ended:
+            raise StopIteration
+
+
+class _Layout:
+    """Prices as one vector: multipliers of upper and lower bounds apart, all of them positive.
+
+    Args:
+        pricing: whose region counts.
+        start: whose split is kept.
     """
 
     def __init__(self, pricing: Pricing, start: Prices) -> None:
-        self.pricing = pricing
-        self.sizes = np.cumsum([start.reach.size, start.pull.size])
-        self.split = start.split
-        self.here = self.best_at = self._flat(start)
-        self.best = -np.inf
-        self.direction: Array = np.zeros_like(self.here)
-        self.length, self.failures = 1.0, 0
+        self.pricing, self.split = pricing, start.split
+        region = pricing.region
+        self.shapes = start.reach.shape, start.pull.shape, start.contact.shape
+        self.below, self.above = np.isfinite(region.low_m), np.isfinite(region.high_m)
+        sizes = [start.reach.size, start.reach.size, start.pull.size, start.contact.size]
+        sizes += [int(self.below.sum()), int(self.above.sum())]
+        self.cuts = np.cumsum(sizes)[:-1]
+        scales = [_REACH_SCALE, _REACH_SCALE, _PULL_SCALE, _CONTACT_SCALE, _WALL_SCALE, _WALL_SCALE]
+        self.scales = np.repeat(scales, sizes)
+        signs = np.repeat([True, True, False, False, True, True], sizes)
+        self.bounds = [(0.0, None) if one else (None, None) for one in signs]
 
-    @property
-    def prices(self) -> Prices:
-        """The best prices so far."""
-        return self._prices(self.best_at)
+    def packed(self, prices: Prices) -> Array:
+        """Return prices as a vector."""
+        walls = np.zeros(self.shapes[1]) if prices.walls is None else prices.walls
+        parts = [np.maximum(prices.reach, 0), np.maximum(-prices.reach, 0), prices.pull, prices.contact]
+        parts += [np.maximum(-walls[self.below], 0), np.maximum(walls[self.above], 0)]
+        packed: Array = np.concatenate([part.ravel() for part in parts]) / self.scales
+        return packed
 
-    @property
-    def stuck(self) -> bool:
-        """Whether steps have become too short to matter."""
-        return self.length < _LEAST_LENGTH
+    def prices(self, at: Array) -> Prices:
+        """Return the prices of a vector."""
+        up, down, pull, contact, below, above = np.split(at * self.scales, self.cuts)
+        walls = None
+        if self.cuts[-1] > self.cuts[-2] or len(above):
+            walls = np.zeros(self.shapes[1])
+            walls[self.above] += above
+            walls[self.below] -= below
+        reach = (up - down).reshape(self.shapes[0])
+        return Prices(reach, pull.reshape(self.shapes[1]), contact, self.split, walls)
 
-    def try_from(self, prices: Prices) -> None:
-        """Go on from other prices, if they are better."""
-        bound = self.pricing.at(prices).bound
-        if bound > self.best:
-            self.here = self.best_at = self._flat(prices)
-            self.best, self.direction, self.failures = bound, np.zeros_like(self.here), 0
-        self.length = 1.0
-
-    def step(self, hope: float) -> Priced:
-        """Evaluate the prices here and go on.
-
-        Args:
-            hope: cost of the best plan, which the bound cannot exceed.
-        """
-        priced = self.pricing.at(self._prices(self.here))
-        up = priced.slope
-        slope = np.concatenate([up.reach.ravel() * _REACH_SCALE, up.pull.ravel(), up.contact * _CONTACT_SCALE])
-        if priced.bound > self.best:
-            self.best, self.best_at, self.failures = priced.bound, self.here, 0
-        else:
-            self.failures += 1
-        if self.failures > _PATIENCE:
-            self.length, self.failures = self.length * _SHRINK, 0
-            self.here, self.direction = self.best_at, np.zeros_like(self.here)
-        self.direction = slope + _DEFLECTION * self.direction
-        rise = max(_HOPE * hope - priced.bound, 1e-3 * hope)
-        step = self.length * _LENGTH * rise / max(float(slope @ slope), 1e-12)
-        self.here = self.here + step * self.direction
-        return priced
-
-    def _flat(self, prices: Prices) -> Array:
-        return np.concatenate(
-            [prices.reach.ravel() / _REACH_SCALE, prices.pull.ravel(), prices.contact / _CONTACT_SCALE]
-        )
-
-    def _prices(self, flat: Array) -> Prices:
-        reach, pull, contact = np.split(flat, self.sizes)
-        return Prices(reach.reshape(-1, 4, 3) * _REACH_SCALE, pull.reshape(-1, 3), contact * _CONTACT_SCALE, self.split)
+    def slope(self, at: Array, mixture: Mixture) -> tuple[float, Array]:
+        """Return the value with what the bounds of Eq. (16) take away, and its slope."""
+        up, down = np.split(at * self.scales, self.cuts)[:2]
+        reach, region = np.array(self.pricing.problem.robot.foot_reach_m), self.pricing.region
+        taken = float(((up + down).reshape(self.shapes[0]) * reach).sum())
+        slopes = [mixture.off_m - reach, -mixture.off_m - reach, mixture.draw, mixture.missing]
+        slopes += [(region.low_m - mixture.base_m)[self.below], (mixture.base_m - region.high_m)[self.above]]
+        return mixture.value - taken, np.concatenate([one.ravel() for one in slopes]) * self.scales

@@ -19,6 +19,7 @@ from surefoot.footholds.model import (
     foothold_rows,
     gravity,
     leg_cost,
+    leg_rows,
     reach_rows,
     stance_rows,
     torque_rows,
@@ -119,6 +120,7 @@ class Assembly:
         costs, rows, first = CostBuilder(size), RowBuilder(self.motion.size), self.firsts[foot]
         leg_cost(costs, self.problem, _numbered_from(self.motion, first), [foot])
         reach_rows(rows, self.problem, self.motion, [foot])
+        leg_rows(rows, self.problem, self.motion, [foot])
         clearance_rows(rows, self.problem, self.motion, [foot])
         if self.forces:
             torque_rows(rows, self.problem, self.motion, [foot])

@@ -1,4 +1,4 @@
-"""Raises the bound over all gaits: prices first, then prices within the tube that these and the best plan leave."""
+"""Raises the bound over all gaits: prices for all paths of the base, then a tree of parts with prices of their own."""
 
 from __future__ import annotations
 
@@ -7,20 +7,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.footholds.ascent import Ascent, even_prices, repriced
+from surefoot.footholds.ascent import Stage, ascended
+from surefoot.footholds.branching import Branch, Branching
 from surefoot.footholds.cells import Cells, cell_samples
 from surefoot.footholds.dual import Priced, Pricing
+from surefoot.footholds.first_prices import even_prices, repriced
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.sharing import Prices
 from surefoot.footholds.swings import swing_of
-from surefoot.footholds.tube import tube_below
+from surefoot.footholds.tube import Tube, everywhere, tube_below
 
 _GUIDE_BOXES, _BOXES = 32, 48
-_ROUND, _SHORTEST, _LONGEST = 45_000, 60, 300
-_FIRST_STEPS = 150
+_FIRST_STAGES = (Stage(2e-2, 60), Stage(4e-3, 40), Stage(1e-3, 60))
+_SECOND_STAGES = (Stage(5e-3, 30), Stage(1.5e-3, 30), Stage(5e-4, 60))
+_ROUND = 600
 _SPLIT = 0.7
 _MARGIN = 4e-3
-_CHEAPER = 0.995
 _FINEST_M, _PART = 0.04, 0.015
 
 
@@ -30,38 +32,36 @@ class GaitProof:
 
     Attributes:
         bound: without the cost of the orientation; minus infinity where a checker could not derive it.
-        prices: multipliers; within the tube, if there is one.
-        first: multipliers that prove the tube, for plans that cost less than ``worth``; None: there is no tube.
-        worth: infinite without a tube.
+        first: multipliers; they prove the bound, if there is no tree.
+        tree: parts of the paths of the base with multipliers of their own, for plans that cost less than ``worth``.
+        worth: infinite without a tree.
     """
 
     bound: float
-    prices: Prices
-    first: Prices | None = None
+    first: Prices
+    tree: Branch | None = None
     worth: float = np.inf
 
 
 class Bounding:
-    """The bound so far, and the walk that raises it.
+    """The bound so far, and the work that raises it.
 
     Args:
         problem: its gait is free.
     """
 
     def __init__(self, problem: Problem) -> None:
-        self.problem, self.guide = problem, Pricing(problem, _GUIDE_BOXES, points=True)
-        self.free, self.confined = Pricing(problem, _BOXES), Pricing(problem, _BOXES)
-        self.ascent = Ascent(self.guide, even_prices(problem))
-        self.round, self.begun = min(max(_ROUND // self.guide.count**2, _SHORTEST), _LONGEST), False
-        self.first: tuple[Prices, Priced] | None = None
+        self.problem, self.prices = problem, even_prices(problem)
+        self.guide, self.judge = Pricing(problem, _GUIDE_BOXES, points=True), Pricing(problem, _BOXES)
+        self.first: Priced | None = None
+        self.tree: Branching | None = None
         self.landing = _landing(problem)
-        self.worth = np.inf
-        self.proof = self._proved(even_prices(problem))
+        self.proof = GaitProof(self._claimed(self.judge.at(self.prices).bound), self.prices)
 
     @property
     def stuck(self) -> bool:
         """Whether more rounds would not help."""
-        return self.first is not None and self.ascent.stuck
+        return self.tree is not None and self.tree.stuck
 
     def climb(self, worth: float, stop: Callable[[], bool]) -> list[Cells]:
         """Go on for a round; return the contact tables that its prices suggest.
@@ -70,46 +70,53 @@ class Bounding:
             worth: cost of the best plan.
             stop: asked now and then.
         """
+        if self.first is None:
+            return self._begin(worth, stop)
+        if self.tree is None:
+            return self._plant(worth, stop)
         suggested: list[Cells] = []
-        if self.begun and worth < _CHEAPER * self.worth:
-            self._confine(worth)
-        steps, self.begun = self.round if self.begun else max(self.round, _FIRST_STEPS), True
-        for _ in range(steps):
-            if stop():
-                return suggested
-            suggested.append(self.ascent.step(worth).cells)
-        found = self._proved(self.ascent.prices)
-        if found.bound > self.proof.bound:
-            self.proof = found
+        for _ in range(max(_ROUND // self.guide.count**2, 2)):
+            if stop() or self.tree.stuck:
+                break
+            suggested += self.tree.grow(worth, stop)
+        found = self._claimed(min(self.tree.bound, worth))
+        if found > self.proof.bound:
+            self.proof = GaitProof(found, self.proof.first, self.tree.root, worth)
         return suggested
 
-    def _confine(self, worth: float) -> None:
-        """Keep the base in the tube of all plans that cost less."""
-        if self.first is None:
-            prices = self.ascent.prices
-            self.first = prices, self.free.at(prices)
-            split = repriced(self.guide, prices, _SPLIT)
-        else:
-            split = self.ascent.prices
-        prices, priced = self.first
-        slack = worth - (1 - _MARGIN) * priced.bound
-        tube = tube_below(self.problem, self.free.base_hessian(prices.split)[1], priced.base_m, slack)
-        self.guide.confine(tube)
-        self.confined.confine(tube)
-        self.worth, self.ascent = worth, Ascent(self.guide, split)
+    def _begin(self, worth: float, stop: Callable[[], bool]) -> list[Cells]:
+        """Look for prices that hold for all paths, without a share of acceleration: they prove the tubes."""
+        found = ascended(self.guide, self.prices, _FIRST_STAGES, worth, stop=stop)
+        self.prices, self.first = found.prices, self.judge.at(found.prices)
+        claimed = self._claimed(self.first.bound)
+        if claimed > self.proof.bound:
+            self.proof = GaitProof(claimed, found.prices)
+        return [self.first.cells]
 
-    def _proved(self, prices: Prices) -> GaitProof:
-        """Return what prices prove; a little is left to checkers who cut the ground otherwise."""
-        if self.first is None:
-            bound = self.free.at(prices).bound
-            return GaitProof(self._checkable(bound - _MARGIN * abs(bound)), prices)
-        bound = self.confined.at(prices).bound
-        bound = min(bound - _MARGIN * abs(bound), self.worth)
-        return GaitProof(self._checkable(bound), prices, self.first[0], self.worth)
+    def _plant(self, worth: float, stop: Callable[[], bool]) -> list[Cells]:
+        """Look for prices that hold for all paths in the tube of plans that cost less than the best one."""
+        assert self.first is not None
+        region = everywhere(self.problem)
+        tube = self._tube(region, worth)
+        self.guide.confine(tube, region)
+        start = repriced(self.guide, self.prices, _SPLIT)
+        found = ascended(self.guide, start, _SECOND_STAGES, worth, stop=stop)
+        self.judge.confine(tube, region)
+        priced = self.judge.at(found.prices)
+        root = Branch(region, tube, 0, found.prices, priced.bound, worth, found.mixture, priced.cells)
+        self.tree = Branching(self.guide, self.judge, root, self._tube)
+        return [priced.cells]
 
-    def _checkable(self, bound: float) -> float:
-        """Return a bound that nodes of a grid can derive as well, else minus infinity."""
-        return bound if self.landing <= _PART * bound else -np.inf
+    def _tube(self, region: Tube, worth: float) -> Tube:
+        """Return where the base stays in a region, in plans that cost less than some worth."""
+        assert self.first is not None
+        slack = worth - (1 - _MARGIN) * self.first.bound
+        return tube_below(self.judge.base_hessian(0.0)[1], self.first.base_m, slack, region)
+
+    def _claimed(self, bound: float) -> float:
+        """Return a little less, for checkers who cut the ground otherwise; minus infinity if they could not follow."""
+        claimed = bound - _MARGIN * abs(bound)
+        return claimed if self.landing <= _PART * claimed else -np.inf
 
 
 def _landing(problem: Problem) -> float:

@@ -19,8 +19,8 @@ MOST_CELLS = 60
 _WHOLE = 1e-3
 
 
-def check_cells(horizon_s: float, cell_s: float, step_s: float) -> None:
-    """Refuse cells that do not fit the samples, or a horizon that does not fit the cells.
+def check_cells(horizon_s: float, cell_s: float, step_s: float, min_dwell_cells: int = 1) -> None:
+    """Refuse cells that do not fit the samples, a horizon that does not fit the cells, or a dwell beyond the horizon.
 
     Raises:
         InputError: saying what is allowed.
@@ -36,6 +36,13 @@ def check_cells(horizon_s: float, cell_s: float, step_s: float) -> None:
             f"is {horizon_s:g} s; allowed are multiples of options.cell_s = {cell_s:g} s, {LEAST_CELLS} to "
             f"{MOST_CELLS} of them",
             key="horizon_s",
+        )
+    most = round(horizon_s / cell_s) - 2
+    if min_dwell_cells > most:
+        raise InputError(
+            f"is {min_dwell_cells}; allowed are 1 to {most}, the cells between the first and the last, in which all "
+            "feet are in contact",
+            key="options.min_dwell_cells",
         )
 
 
@@ -58,7 +65,7 @@ def obeys(cells: Cells, min_dwell_cells: int) -> bool:
     """Return whether all feet stand at both ends, and no run between two changes is shorter than the dwell."""
     if not (cells[0].all() and cells[-1].all()):
         return False
-    for foot in range(cells.shape[1]):
+    for foot in range(cells.shape[1]) if min_dwell_cells > 1 else ():
         changes = np.flatnonzero(np.diff(cells[:, foot]))
         if (np.diff(changes) < min_dwell_cells).any():
             return False

@@ -3,8 +3,9 @@
 Two things couple the feet: the reach rows tie each of them to the base, and the feet in contact share the force. Prices
 (multipliers) on the rows of Eq. (16), on the force of every sample and on contact in every cell (``sharing``) take the
 coupling apart: the base is one linear system, and every foot a shortest path (``paths``). For any prices the sum is a
-lower bound of the cost of every gait; friction, torque and collision are left out, which only lowers it. Where the base
-is known to stay within a tube (``tube``), feet stand only where it keeps them within reach.
+lower bound of the cost of every gait; torque, collision and all of friction but a pyramid about the total force are
+left out, which only lowers it. Where the base is known to stay within a tube (``tube``), feet stand only where it keeps
+them within reach; where it is asked to stay within a region, multipliers on its bounds are prices too.
 """
 
 from __future__ import annotations
@@ -20,26 +21,24 @@ from surefoot.footholds.paths import STANCE, SWING, WIDE_M, Flags, cheapest_path
 from surefoot.footholds.places import Places, places_of
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.rows import Array, Index
-from surefoot.footholds.sharing import Prices, dearness, left_over, savings, shifted, upwards
-from surefoot.footholds.swings import SwingCosts, swing_costs, swing_of
-from surefoot.footholds.tube import Tube, reachable, tube_of_ends
+from surefoot.footholds.sharing import Prices, left_over, savings, upwards
+from surefoot.footholds.swings import SwingCosts, swing_costs
+from surefoot.footholds.tube import Tube, everywhere, reachable, tube_of_ends
 
 _LEVELS = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Priced:
-    """What prices prove, and the way to better ones.
+    """What prices prove.
 
     Attributes:
         bound: lower bound of the cost of base, feet and forces.
-        slope: a supergradient of the bound.
         cells: the cheapest pattern of every foot, shape (M, 4).
         base_m: shape (N, 3).
     """
 
     bound: float
-    slope: Prices
     cells: Cells
     base_m: Array
 
@@ -89,7 +88,7 @@ class Pricing:
     Args:
         problem: its gait is free.
         budget: how many boxes of footholds each foot gets.
-        points: whether only their middles count: no bound, but a concave function with a true supergradient.
+        points: whether only their middles count: no bound, but a concave function.
         tube: where the base stays; none: what its ends tell.
     """
 
@@ -104,11 +103,13 @@ class Pricing:
         heights = [middle[:, 2] for _, _, middle in self.boxes]
         self.levels_m = levels_of(np.concatenate(heights))
         self.level = [np.abs(own[:, None] - self.levels_m).argmin(axis=1) for own in heights]
+        self._swings: SwingCosts | None = None
         self._halved: dict[float, tuple[Array, Array]] = {}
-        self.confine(tube or tube_of_ends(problem))
+        self.confine(tube or tube_of_ends(problem), everywhere(problem))
 
-    def confine(self, tube: Tube) -> None:
-        """Let feet stand only where a base in this tube can keep them within reach."""
+    def confine(self, tube: Tube, region: Tube) -> None:
+        """Let feet stand only where a base in this tube can keep them within reach, and ask it to stay in a region."""
+        self.region = region
         self.within: list[Flags] = []
         for foot, here in enumerate(self.places):
             point = self.problem.feet_m[foot][None]
@@ -153,19 +154,12 @@ class Pricing:
         """Return what prices prove."""
         problem, robot = self.problem, self.problem.robot
         world = np.einsum("iab,ijb->ija", problem.rotations, prices.reach)
-        base_value, base, force = self.base(world.sum(axis=1), prices)
-        left, best = left_over(savings(problem, prices), prices.contact)
-        cells, feet, foot_values = self.feet(world, prices.contact, self.allowed if allowed is None else allowed)
-        nominal, reach = np.array(robot.feet_m), np.array(robot.foot_reach_m)
-        ties = float((prices.reach * nominal).sum() + (np.abs(prices.reach) * reach).sum())
-        bound = base_value + left + float(foot_values.sum()) - ties
-        off = np.einsum("iba,ijb->ija", problem.rotations, feet - base[:, None]) - nominal
-        rise = np.where(
-            prices.reach != 0, off - np.sign(prices.reach) * reach, np.sign(off) * np.maximum(np.abs(off) - reach, 0.0)
-        )
-        dear = np.repeat(dearness(problem, prices.split)[best], self.per)[:, None]
-        draw = 2 * force - 2 * shifted(problem, prices) / dear
-        return Priced(bound, Prices(rise, draw, best - cells.sum(axis=1), prices.split), cells, base)
+        base_value, base, _ = self.base(world.sum(axis=1), prices)
+        left = left_over(savings(problem, prices), prices.contact)
+        cells, feet_value = self.feet(world, prices.contact, self.allowed if allowed is None else allowed)
+        ties = float((prices.reach * np.array(robot.feet_m)).sum())
+        ties += float((np.abs(prices.reach) * np.array(robot.foot_reach_m)).sum())
+        return Priced(base_value + left + feet_value - ties, cells, base)
 
     def base(self, world: Array, prices: Prices) -> tuple[float, Array, Array]:
         """Return the base's least cost, its path and the force that moves it."""
@@ -173,7 +167,8 @@ class Pricing:
         mass, (hessian, inverse) = problem.robot.mass_kg, self.base_hessian(prices.split)
         alone = weights.acceleration * (1 - prices.split)
         reference, up = problem.base_reference_m, upwards(problem)
-        linear = -world - 2 * weights.position * reference + 2 * mass * self.second.T @ pull
+        walls, beyond = self._walls(prices)
+        linear = walls - world - 2 * weights.position * reference + 2 * mass * self.second.T @ pull
         path = np.zeros_like(reference)
         path[0], path[-2:] = problem.start_m, problem.goal_m
         known = hessian @ path
@@ -182,21 +177,29 @@ class Pricing:
         value = float((path * (hessian @ path)).sum() / 2 + (linear * path).sum())
         value += weights.position * float((reference**2).sum()) - alone * float((first**2).sum())
         value += 2 * mass * float((pull @ up).sum())
-        value += weights.acceleration * prices.split * len(path) * float(up @ up)
+        value += weights.acceleration * prices.split * len(path) * float(up @ up) - beyond
         acceleration = self.second @ path
         acceleration[0] = first
         return value, path, mass * (acceleration + up)
 
-    def feet(self, world: Array, contact: Array, allowed: Index) -> tuple[Cells, Array, Array]:
-        """Return every foot's cheapest pattern, its path, and its cost."""
+    def _walls(self, prices: Prices) -> tuple[Array, float]:
+        """Return the multipliers on the region's bounds, and the sum of multipliers times bounds."""
+        if prices.walls is None:
+            return np.zeros_like(prices.pull), 0.0
+        bounds = np.where(prices.walls > 0, self.region.high_m, self.region.low_m)
+        pressed = prices.walls != 0
+        return prices.walls, float((prices.walls[pressed] * bounds[pressed]).sum())
+
+    def feet(self, world: Array, contact: Array, allowed: Index) -> tuple[Cells, float]:
+        """Return every foot's cheapest pattern, and the cost of all."""
         table = self.table(world, contact)
-        cells = np.zeros((self.count, 4), dtype=bool)
-        paths, values = np.zeros((self.problem.samples, 4, 3)), np.zeros(4)
+        cells, value = np.zeros((self.count, 4), dtype=bool), 0.0
         for foot in range(4):
-            values[foot], stances = table.cheapest(foot, allowed[:, foot])
-            if np.isfinite(values[foot]):
-                cells[:, foot], paths[:, foot] = self.trajectory(foot, stances, world[:, foot], table.swings)
-        return cells, paths, values
+            cost, stances = table.cheapest(foot, allowed[:, foot])
+            value += cost
+            for since, end, _ in stances:
+                cells[since:end, foot] = True
+        return cells, value
 
     def table(self, world: Array, contact: Array) -> FootCosts:
         """Return what stances and swings cost at given prices."""
@@ -209,7 +212,8 @@ class Pricing:
         constants = [
             self.summed((track * (reference[:, foot] ** 2).sum(axis=1) - paid)[:, None])[:, 0] for foot in range(4)
         ]
-        return FootCosts(self, swing_costs(problem, world, self.levels_m), square, slopes, constants)
+        self._swings = swing_costs(problem, world, self.levels_m, self._swings)
+        return FootCosts(self, self._swings, square, slopes, constants)
 
     def guesses(self, prices: Prices) -> Callable[[Cells], float]:
         """Return a function that says what prices prove about one contact table; cheap, for ranking."""
@@ -237,25 +241,3 @@ class Pricing:
         """Return sums over all samples before each cell."""
         sums = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
         return sums[:: self.per]
-
-    def trajectory(
-        self, foot: int, stances: list[tuple[int, int, int]], world: Array, swings: SwingCosts
-    ) -> tuple[Array, Array]:
-        """Return contacts by cell and positions by sample of a path."""
-        problem, per, weights = self.problem, self.per, self.problem.weights
-        held = np.zeros(self.count, dtype=bool)
-        path = np.zeros((problem.samples, 3))
-        points = [self.boxes[foot][2][box] for _, _, box in stances]
-        kinds = self.level[foot]
-        for (since, end, _), point in zip(stances, points, strict=True):
-            held[since:end] = True
-            path[since * per : end * per] = point
-        for (_, lift, box), (to, _, goal), p, q in zip(stances, stances[1:], points, points[1:], strict=False):
-            size = (to - lift) * per
-            one = swing_of(size, problem.step_s, weights.foot, weights.foot_acceleration)
-            samples = np.arange(lift * per, to * per)
-            linear = world[samples] - 2 * weights.foot * problem.foot_reference_m[samples, foot]
-            linear[:, 2] -= swings.pressed[to - lift][foot, kinds[box], kinds[goal], lift - 1]
-            path[samples[:-1]] = one.gain.T @ np.array([p, q]) - one.inverse @ linear[:-1]
-            path[samples[-1]] = q
-        return held, path

@@ -22,6 +22,7 @@ from surefoot.footholds.model import (
     collision_rows,
     dynamics_rows,
     friction_rows,
+    leg_rows,
     reach_rows,
     region_rows,
     support_rows,
@@ -33,8 +34,24 @@ from surefoot.footholds.rows import FAMILIES, Cost, Index, Quantity, RowBuilder,
 from surefoot.footholds.solvers import run_highs
 from surefoot.robots.quadruped import FOOT_NAMES
 
-_UNITS = {"reach": "m", "clearance": "m", "support": "m", "collision": "m", "friction": "N", "torque": "N m"}
-_WEIGHTS = {"reach": 1.0, "clearance": 1.0, "support": 1.0, "collision": 1.0, "friction": 0.01, "torque": 0.03}
+_UNITS = {
+    "reach": "m",
+    "leg": "m",
+    "clearance": "m",
+    "support": "m",
+    "collision": "m",
+    "friction": "N",
+    "torque": "N m",
+}
+_WEIGHTS = {
+    "reach": 1.0,
+    "leg": 1.0,
+    "clearance": 1.0,
+    "support": 1.0,
+    "collision": 1.0,
+    "friction": 0.01,
+    "torque": 0.03,
+}
 _SHOWN = 1e-7
 _AXES = ("lengthwise", "sideways", "in height")
 _JOINTS = ("hip abduction", "hip pitch", "knee")
@@ -78,6 +95,9 @@ class Explanation:
 
 def explain(problem: Problem, time_limit_s: float = 5.0) -> Explanation | None:
     """Return the smallest relaxation that makes a problem feasible, or None when it is not found in time."""
+    falls = _falls(problem)
+    if falls is not None:
+        return falls
     found = _positions(problem, time_limit_s)
     if found is None:
         return None
@@ -92,9 +112,21 @@ def explain(problem: Problem, time_limit_s: float = 5.0) -> Explanation | None:
     return Explanation(tuple(lacks), tuple(left[0] for left in choice[:steps]), text)
 
 
+def _falls(problem: Problem) -> Explanation | None:
+    """Return that no foot ever carries the base, which then cannot be at rest in the end; None where one does.
+
+    Rows of the ends and of Newton contradict each other then, and no slack on other rows helps.
+    """
+    if problem.contacts[1:].any():
+        return None
+    text = "no foot is in contact after the first sample, so that the base falls and cannot be at rest in the end"
+    lasts_s = (problem.samples - 1) * problem.step_s
+    return Explanation((Lack("dynamics", "", 0, lasts_s, "s", text),), (), text)
+
+
 def _positions(problem: Problem, time_limit_s: float) -> tuple[Choice, list[Lack]] | None:
     motion = reduced_motion(problem, forces=False)
-    elastic = _built(motion, [reach_rows, clearance_rows, support_rows], problem)
+    elastic = _built(motion, [reach_rows, leg_rows, clearance_rows, support_rows], problem)
     steps, polygons = len(problem.footsteps), len(problem.polygons)
     regions = len(problem.free_regions) if problem.options.collision else 0
     windows = problem.windows() if regions else ()
@@ -144,7 +176,7 @@ def _forces(problem: Problem, choice: Choice, time_limit_s: float) -> list[Lack]
     def friction(build: RowBuilder, problem: Problem, motion: Motion) -> None:
         friction_rows(build, problem, motion, choice)
 
-    elastic = _built(motion, [reach_rows, clearance_rows, support_rows, torque_rows, friction], problem)
+    elastic = _built(motion, [reach_rows, leg_rows, clearance_rows, support_rows, torque_rows, friction], problem)
     groups, names = np.unique(_groups(problem, elastic), axis=0, return_inverse=True)
     size = motion.size + len(groups)
     build = RowBuilder(size)
@@ -191,7 +223,7 @@ def _groups(problem: Problem, rows: Rows) -> Index:
         footstep = problem.footsteps[where[k, 1]]
         foot[k], step[k], axis[k] = footstep.foot, footstep.step + 1, 0
     friction = rows.family == FAMILIES.index("friction")
-    axis[friction] = 0
+    axis[friction | (rows.family == FAMILIES.index("leg"))] = 0
     starts = [[s.lift for s in problem.footsteps if s.foot == j] for j in range(4)]
     other = ~clearance & (foot >= 0)
     step[other] = [

@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surefoot.footholds.anneal import Annealing
-from surefoot.footholds.ascent import even_prices, prices_of_node
 from surefoot.footholds.assembly import Parts
 from surefoot.footholds.bounding import Bounding
 from surefoot.footholds.cells import Cells, cell_count, fixed, gait_of
 from surefoot.footholds.decide import Decided, decided_exactly, decided_quickly
 from surefoot.footholds.dual import Pricing
 from surefoot.footholds.explain_free import explain_free
+from surefoot.footholds.first_prices import even_prices, prices_of_node
 from surefoot.footholds.model import Choice
 from surefoot.footholds.orientation import turning
 from surefoot.footholds.pool import FIRST, GUESSED, LAST, LATER, Pool
@@ -27,13 +27,14 @@ from surefoot.footholds.problem import Problem
 from surefoot.footholds.proof import turning_multipliers
 from surefoot.footholds.sharing import Prices
 from surefoot.footholds.solve import FreeAnswer, Solution, cheapest, load_backends, no_plan, solve
+from surefoot.footholds.tables import Trial, warm_up
 from surefoot.footholds.templates import first_templates, templates
 
 _COMPARE_GAP = 1e-3
 _GUESSED = 12
 _GUIDE_BOXES = 16
 _TRIES_PER_ROUND = 2
-_CHANGES_PER_ROUND = 250
+_CHANGES_PER_ROUND = 3000
 _TRIES_BEFORE_DOUBT = 13
 _TRIES_BEFORE_EXACT = 160
 _SURE = 1.02
@@ -64,6 +65,7 @@ def solve_free(
     """Find a gait, footholds, forces and base motion, with a bound over all gaits, or prove that there are none."""
     load_backends()
     Pricing(problem, 1, points=True).at(even_prices(problem))
+    warm_up(problem)
     solution = _Search(problem, cancelled).run(certify)
     if not why or solution.verdict != "infeasible":
         return solution
@@ -177,34 +179,39 @@ class _Search:
         self.bounding = Bounding(self.problem)
         starts = first_templates(cell_count(self.problem), self.problem.options.min_dwell_cells)
         annealing = Annealing(self.problem, self.parts, starts, self.stop)
-        while self.pool.has(FIRST) and not self.stop() and not self.close and self.try_next():
-            annealing.offer(self.found.cells, self.found.choice, self.found.value)
         while not self.stop() and not self.close and annealing.idle < _MOST_IDLE:
+            self.anneal(annealing)
             if not self.bounding.stuck:
                 self.climb(self.bounding)
             for _ in range(_TRIES_PER_ROUND):
                 if self.stop() or self.close or not self.try_next():
                     break
-            self.anneal(annealing)
 
     def anneal(self, annealing: Annealing) -> None:
-        """Change the best plan at random for a while."""
+        """Change the best plan at random for a while, and keep the best of all changes when its rows hold."""
         assert self.found is not None
         annealing.offer(self.found.cells, self.found.choice, self.found.value)
+        best: Trial | None = None
         for _ in range(_CHANGES_PER_ROUND):
-            if self.stop() or self.close:
-                return
-            better = annealing.step()
-            if better is not None:
-                self.found = Found(better.cells, better.choice, better.value, "annealing")
+            if self.stop() or annealing.idle >= _MOST_IDLE:
+                break
+            best = annealing.step() or best
         self.tried += annealing.take_count()
+        if best is not None and best.value < self.found.value and self.holds(best):
+            self.found = Found(best.cells, best.choice, best.value, "annealing")
+
+    def holds(self, plan: Trial) -> bool:
+        """Return whether a plan keeps all rows of the whole model, as another solver finds it."""
+        at = self.fixed(plan.cells)
+        at = replace(at, options=replace(at.options, first_plan=True, time_limit_s=_LAST_S))
+        return solve(at, guesses=(plan.choice,), certify=False, why=False).verdict == "feasible"
 
     def climb(self, bounding: Bounding) -> None:
         """Raise the bound for a while, and try what its prices suggest."""
         assert self.found is not None
         suggested = bounding.climb(self.found.value, self.stop)
         self.pool.add((("prices", cells) for cells in suggested), LATER)
-        self.pool.price(bounding.ascent.prices)
+        self.pool.price(bounding.prices)
 
     def positive(self) -> Solution:
         """Return the best plan, solved once more to the end with its gait."""

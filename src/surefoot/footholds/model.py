@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surefoot.footholds.leg_reach import leg_cuts
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.rows import Cost, CostBuilder, Index, Quantity, RowBuilder, Rows, Term
 from surefoot.footholds.terrain import Hull, cone_hull, hull_of
@@ -110,6 +111,7 @@ def fixed_rows(build: RowBuilder, problem: Problem) -> None:
     torque_rows(build, problem, motion)
     base_torque_rows(build, problem, motion)
     reach_rows(build, problem, motion)
+    leg_rows(build, problem, motion)
     clearance_rows(build, problem, motion)
     support_rows(build, problem, motion)
     moment_rows(build, problem, motion)
@@ -292,6 +294,19 @@ def reach_rows(build: RowBuilder, problem: Problem, motion: Motion, feet: Sequen
     points = [(turn[..., b, :], motion.feet[:, chosen, b][..., None]) for b in range(3)]
     base = [(-turn[..., b, :], motion.base[:, None, b][..., None]) for b in range(3)]
     build.add("reach", nominal - reach, nominal + reach, [*points, *base], where=(sample, foot, np.arange(3)))
+
+
+def leg_rows(build: RowBuilder, problem: Problem, motion: Motion, feet: Sequence[int] = FEET) -> None:
+    """Keep every foot, in swing too, where its leg reaches with its joints' limits, if that is asked for."""
+    if not problem.options.joint_reach:
+        return
+    chosen = list(feet)
+    normals, bounds = (part[chosen] for part in leg_cuts(problem.robot))
+    turned = np.einsum("iba,jka->bijk", problem.rotations, normals)
+    points = [(turned[b], motion.feet[:, chosen, b][..., None]) for b in range(3)]
+    base = [(-turned[b], motion.base[:, None, b][..., None]) for b in range(3)]
+    sample, foot = np.arange(problem.samples)[:, None, None], np.array(chosen)[None, :, None]
+    build.add("leg", -INF, bounds[None], [*points, *base], where=(sample, foot, np.arange(normals.shape[1])))
 
 
 def clearance_rows(build: RowBuilder, problem: Problem, motion: Motion, feet: Sequence[int] = FEET) -> None:

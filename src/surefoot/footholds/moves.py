@@ -17,7 +17,7 @@ _FAR_CELLS = 2
 def proposal(cells: Cells, min_dwell_cells: int, rng: np.random.Generator) -> Cells | None:
     """Return a contact table near another one that obeys the rules, or None when chance found none."""
     for _ in range(_TRIES):
-        move = _MOVES[int(rng.choice(len(_MOVES), p=_SHARES))]
+        move = _MOVES[int(np.searchsorted(_UP_TO, rng.random(), side="right"))]
         changed = move(cells, _feet(rng), rng)
         changed[[0, -1]] = True
         if not np.array_equal(changed, cells) and obeys(changed, min_dwell_cells):
@@ -94,4 +94,4 @@ def _changes(held: np.ndarray) -> np.ndarray:
 
 
 _MOVES: tuple[Callable[[Cells, list[int], np.random.Generator], Cells], ...] = (_end, _block, _shift, _warp, _exchange)
-_SHARES = (0.5, 0.15, 0.1, 0.15, 0.1)
+_UP_TO = (0.5, 0.65, 0.75, 0.9)

@@ -8,14 +8,12 @@ import os
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from surefoot.compute import sha256_of, write_text_whole
+from surefoot.footholds.bound_file import bound_document
 from surefoot.footholds.cells import with_gait
 from surefoot.footholds.gaits import FreeGait, Gait
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.refute import refutation_document
-from surefoot.footholds.sharing import Prices
 from surefoot.footholds.solve import FreeAnswer, Solution
 
 KIND = "foothold-plan"
@@ -58,27 +56,8 @@ def _free(problem: Problem, solution: Solution) -> dict[str, Any]:
     refutation = None if solution.free is None else solution.free.refutation
     return {
         "horizon_s": problem.gait.horizon_s,
-        "bound": None if solution.free is None or solution.bound is None else _bound(solution.free),
+        "bound": None if solution.free is None or solution.bound is None else bound_document(solution.free),
         "refutation": None if refutation is None else refutation_document(refutation),
-    }
-
-
-def _bound(free: FreeAnswer) -> dict[str, Any] | None:
-    """Return the multipliers that prove a bound over all gaits."""
-    proof = free.proof
-    if proof is None:
-        return None
-    tube = None if proof.first is None else {"worth": proof.worth, **_prices(proof.first)}
-    return {**_prices(proof.prices), "turning": list(free.turning), "tube": tube}
-
-
-def _prices(prices: Prices) -> dict[str, Any]:
-    reach = [[int(i), int(j), int(a), 0, float(prices.reach[i, j, a])] for i, j, a in np.argwhere(prices.reach)]
-    return {
-        "reach": reach,
-        "pull": prices.pull.tolist(),
-        "contact": prices.contact.tolist(),
-        "split": prices.split,
     }
 
 

@@ -47,6 +47,8 @@ class Options:
         tilt_max_rad: with moment balance, largest deviation of each angle from its reference.
         com_support_m: largest distance of the base from the mean of the feet in contact, per horizontal axis, whenever
             three or more are; None for no such rows.
+        joint_reach: whether feet keep to where the legs reach with their joints' limits, inside the reach box; not with
+            a free gait.
         pitch_keyframe: whether the reference pitch passes the slope of the motion half way.
         cell_s: with a free gait, how long the cells are in which a foot is in contact or not.
         min_dwell_cells: with a free gait, how many cells a stance or a swing lasts at least; what the ends cut off may
@@ -62,6 +64,7 @@ class Options:
     moment_balance: bool = False
     tilt_max_rad: float = 0.35
     com_support_m: float | None = None
+    joint_reach: bool = False
     pitch_keyframe: bool = False
     cell_s: float = 0.1
     min_dwell_cells: int = 1

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from surefoot.documents import FormatOne
 
 _REACH_M = 1e4
 
@@ -86,6 +88,9 @@ class OptionsBlock(Block):
         Positive | None,
         Field(description="largest distance of the base from the mean of three or more feet in contact"),
     ] = None
+    joint_reach: Annotated[
+        bool, Field(description="keep feet where the legs reach with their joints' limits; not with gait: free")
+    ] = False
     pitch_keyframe: Annotated[bool, Field(description="let the reference pitch pass the slope half way")] = False
     cell_s: Annotated[
         Positive, Field(description="gait: free: how long the cells are in which a foot is in contact or not")
@@ -113,7 +118,7 @@ class WeightsBlock(Block):
 class ProblemBlock(Block):
     """A foothold problem: robot, gait, two poses, terrain."""
 
-    format: Annotated[Literal[1], Field(description="version of this format")]
+    format: FormatOne
     robot: Annotated[str, Field(min_length=1, max_length=4096, description="go2, chotu, or a robot file, relative")]
     gait: Annotated[
         str | GaitBlock,
@@ -136,7 +141,7 @@ class ProblemBlock(Block):
 class RobotBlock(Block):
     """A robot file: the numbers of Table II, and of the legs."""
 
-    format: Annotated[Literal[1], Field(description="version of this format")]
+    format: FormatOne
     name: Annotated[str, Field(min_length=1, max_length=100)]
     mass_kg: Positive
     inertia_kgm2: tuple[Positive, Positive, Positive]

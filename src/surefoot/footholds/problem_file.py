@@ -149,8 +149,10 @@ class _Reading:
             self.complain(f"is {FREE}, which needs `horizon_s: ...`, how long the gait lasts in seconds", "gait")
             return None
         options = block.options
+        if options.joint_reach:
+            self.complain("is for gaits that are given, not for a free one", "options", "joint_reach")
         try:
-            check_cells(block.horizon_s, options.cell_s, block.step_s)
+            check_cells(block.horizon_s, options.cell_s, block.step_s, options.min_dwell_cells)
         except InputError as problem:
             self.complain(problem.message, *(problem.key or "").split("."))
             return None

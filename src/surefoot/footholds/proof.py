@@ -19,7 +19,7 @@ from surefoot.footholds.search import Branch, Outcome
 
 _DROP = 1e-5
 _DROP_RELATIVE = 1e-12
-_PLAIN = ("reach", "clearance", "torque", "base torque", "support", "collision", "tilt")
+_PLAIN = ("reach", "clearance", "torque", "base torque", "support", "collision", "tilt", "leg")
 
 
 @dataclass(frozen=True, slots=True)

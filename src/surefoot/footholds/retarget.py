@@ -8,22 +8,32 @@ bilinear; here the base keeps near the mean of the feet, which is linear and lie
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surefoot.footholds.gaits import Gait
+from surefoot.footholds.leg_reach import leg_cuts
 from surefoot.footholds.model import INF, Choice
 from surefoot.footholds.nodes import Node
 from surefoot.footholds.problem import Array, Problem, nominal_feet
 from surefoot.footholds.qp import solve_qp
-from surefoot.footholds.rows import Cost, CostBuilder, Quantity, RowBuilder, Rows, stacked
+from surefoot.footholds.rows import FAMILIES, Cost, CostBuilder, Quantity, RowBuilder, Rows, stacked
 from surefoot.footholds.search import search
 from surefoot.footholds.terrain import cone_hull, hull_of
+from surefoot.robots.quadruped import FOOT_NAMES
 
 SHIFT_MAX_M = (0.15, 0.10, 0.10)
 NEAR_MEAN_M = 0.05
 _SLACK_M = 1e-6
+_DEMANDS = {
+    "support": "the base near the goal and the mean of the feet",
+    "reach": "all feet within reach of one base",
+    "friction": "friction",
+    "torque": "torque",
+}
 _FOOT_WEIGHT, _FORCE_WEIGHT = 1.0, 1e-5
 _FEET = np.arange(3, 15).reshape(4, 3)
 _FORCES = np.arange(15, 27).reshape(4, 3)
@@ -40,7 +50,8 @@ class Retargeted:
         feet_m: shape (4, 3); None without a pose.
         polygons: of the four feet.
         shift_m: distance from the wished position.
-        solve_ms: what it took.
+        solve_ms: what it took, without finding a reason.
+        reason: why there is no pose, or why that is not known; empty with a pose.
     """
 
     verdict: str
@@ -49,20 +60,34 @@ class Retargeted:
     polygons: tuple[int, ...]
     shift_m: float | None
     solve_ms: float
+    reason: str = ""
 
 
-def retarget(problem: Problem) -> Retargeted:
-    """Return the feasible standing pose nearest to the goal of a problem, with the goal's orientation."""
+def retarget(problem: Problem, *, why: bool = False) -> Retargeted:
+    """Return the feasible standing pose nearest to the goal of a problem, with the goal's orientation.
+
+    Args:
+        problem: its goal and its terrain.
+        why: whether to look for the demand that is in the way where there is no pose.
+    """
     begin = time.perf_counter()
     end = begin + problem.options.time_limit_s
     standing = _standing(problem)
     program, root = StandingProgram(standing), _in_reach(standing)
     if not all(root):
-        return Retargeted("infeasible", None, None, (), None, (time.perf_counter() - begin) * 1e3)
-    outcome = search(standing, program, root, gap=1e-6, stop=lambda: time.perf_counter() > end)
+        elapsed_ms = (time.perf_counter() - begin) * 1e3
+        return Retargeted("infeasible", None, None, (), None, elapsed_ms, _out_of_reach(standing))
+
+    def stop() -> bool:
+        return time.perf_counter() > end
+
+    outcome = search(standing, program, root, gap=1e-6, stop=stop)
     elapsed_ms = (time.perf_counter() - begin) * 1e3
     if outcome.best is None or outcome.node is None:
-        return Retargeted("infeasible" if outcome.complete else "unknown", None, None, (), None, elapsed_ms)
+        if not outcome.complete:
+            return Retargeted("unknown", None, None, (), None, elapsed_ms, "the time limit was reached")
+        reason = _contradiction(standing, root, stop) if why else "no pose meets all demands"
+        return Retargeted("infeasible", None, None, (), None, elapsed_ms, reason)
     unknowns = outcome.node.answer.unknowns
     position = unknowns[:3]
     shift = float(np.linalg.norm(position - problem.goal_m))
@@ -88,12 +113,36 @@ def _standing(problem: Problem) -> Problem:
 
 def _in_reach(standing: Problem) -> Choice:
     """Return for every foot the polygons that meet the box in which it can be, wherever the base may be moved to."""
-    wished = nominal_feet(standing.robot, standing.goal_m, standing.goal_rpy_rad)
+    meets: NDArray[np.bool_] = np.all(_beyond_m(standing) <= _SLACK_M, axis=2)
+    return tuple(tuple(map(int, np.flatnonzero(meets[step.foot]))) for step in standing.footsteps)
+
+
+def _beyond_m(standing: Problem) -> Array:
+    """Return by how much every polygon is beyond the box of every foot, shape (4, polygons, 3)."""
+    wished = nominal_feet(standing.robot, standing.goal_m, standing.goal_rpy_rad)[:, None]
     around = np.abs(standing.rotations[-1]) @ np.array(standing.robot.foot_reach_m) + np.array(SHIFT_MAX_M)
     low = np.array([one.vertices_m.min(axis=0) for one in standing.polygons]) - around
     high = np.array([one.vertices_m.max(axis=0) for one in standing.polygons]) + around
-    meets = ((low <= wished[:, None] + _SLACK_M) & (wished[:, None] - _SLACK_M <= high)).all(axis=2)
-    return tuple(tuple(map(int, np.flatnonzero(meets[step.foot]))) for step in standing.footsteps)
+    beyond: Array = np.maximum(np.maximum(low - wished, wished - high), 0.0)
+    return beyond
+
+
+def _out_of_reach(standing: Problem) -> str:
+    """Return which feet find no polygon, and how far away the nearest is from what they reach."""
+    away_m = np.linalg.norm(_beyond_m(standing), axis=2).min(axis=1)
+    short = [f"{name} by {away_m[j] * 100:.3g} cm" for j, name in enumerate(FOOT_NAMES) if away_m[j] > _SLACK_M]
+    return f"no polygon is within reach, wherever the base may be moved to: {', '.join(short)}"
+
+
+def _contradiction(standing: Problem, root: Choice, stop: Callable[[], bool]) -> str:
+    """Return which demands, if one of them were dropped, would leave a pose to stand in."""
+    freed = [said for family, said in _DEMANDS.items() if _stands_without(standing, root, family, stop)]
+    found = f"one is found without {', or without '.join(freed)}" if freed else "more than one of them would have to go"
+    return f"every foot finds a polygon, but no pose meets all demands ({'; '.join(_DEMANDS.values())}): {found}"
+
+
+def _stands_without(standing: Problem, root: Choice, family: str, stop: Callable[[], bool]) -> bool:
+    return search(standing, StandingProgram(standing, without=family), root, gap=0.5, stop=stop).best is not None
 
 
 class StandingProgram:
@@ -101,10 +150,11 @@ class StandingProgram:
 
     Args:
         problem: as ``_standing`` returns it; its start and goal are the wished pose.
+        without: a family of rows that is left out, to find out whether it is in the way.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
+    def __init__(self, problem: Problem, without: str = "") -> None:
+        self.problem, self.without = problem, without
         build = CostBuilder(27)
         wished = nominal_feet(problem.robot, problem.goal_m, problem.goal_rpy_rad)
         build.add(problem.weights.position, [(1.0, Quantity.unknown(np.arange(3)))], problem.goal_m)
@@ -115,7 +165,8 @@ class StandingProgram:
 
     def rows(self, choice: Choice) -> Rows:
         """Return the rows for what a choice leaves open."""
-        return stacked((self.fixed, self._grounded(choice)))
+        rows = stacked((self.fixed, self._grounded(choice)))
+        return rows.pick(rows.family != FAMILIES.index(self.without)) if self.without else rows
 
     def _ungrounded(self) -> Rows:
         """Return the rows that no choice changes."""
@@ -134,6 +185,11 @@ class StandingProgram:
             terms = [(turn[b], feet[foot, b][None]) for b in range(3)]
             terms += [(-turn[b], base[b][None]) for b in range(3)]
             build.add("reach", nominal - reach, nominal + reach, terms)
+            if problem.options.joint_reach:
+                normals, bounds = (part[foot] for part in leg_cuts(problem.robot))
+                turned = normals @ turn.T
+                places = [(turned[:, b], feet[foot, b][None]) for b in range(3)]
+                build.add("leg", -INF, bounds, [*places, *((-turned[:, b], base[b][None]) for b in range(3))])
             build.add("torque", -limit, limit, [(arm[a], forces[foot, a][None]) for a in range(3)])
         return build.rows()
 

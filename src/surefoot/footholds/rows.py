@@ -15,7 +15,7 @@ Index = NDArray[np.int64]
 
 FAMILIES = (
     "boundary", "integration", "dynamics", "moment", "region", "contact", "friction", "torque", "base torque",
-    "reach", "clearance", "collision", "support", "flight", "tilt",
+    "reach", "clearance", "collision", "support", "flight", "tilt", "leg",
 )  # fmt: skip
 """What rows are about; the numbers in ``Rows.family`` count in this order."""
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from surefoot.errors import InputError
 from surefoot.footholds.assembly import Parts
 from surefoot.footholds.explain import Explanation, explain
 from surefoot.footholds.form import standard_form
@@ -124,6 +125,8 @@ def solve(
         worth: plans that cost as much are not looked for; the answer is then ``unknown``.
     """
     if isinstance(problem.gait, FreeGait):
+        if problem.options.joint_reach:
+            raise InputError("is for gaits that are given, not for a free one", key="options.joint_reach")
         from surefoot.footholds.gaitfree import solve_free
 
         return solve_free(problem, cancelled=cancelled, certify=certify, why=why)

@@ -63,10 +63,11 @@ def swing_of(samples: int, step_s: float, track: float, accelerate: float) -> Sw
 
 
 @numba.njit(cache=True)
-def held_up(gram: Array, lacks: Array) -> Array:
+def held_up(gram: Array, lacks: Array, near: Array) -> Array:
     """Return multipliers nu >= 0 that nearly maximise lacks . nu - nu' gram nu / 2 for every row of lacks.
 
-    Any multipliers are sound; these come from sweeps over the coordinates, from both ends in, where they press most.
+    Any multipliers are sound; these come from sweeps over the coordinates, from both ends in, where they press most,
+    and begin at those of before.
     """
     count, size = lacks.shape
     found = np.zeros((count, size))
@@ -74,6 +75,10 @@ def held_up(gram: Array, lacks: Array) -> Array:
         if lacks[row].max() <= 0:
             continue
         rest = lacks[row].copy()
+        for k in range(size):
+            if near[row, k] > 0:
+                found[row, k] = near[row, k]
+                rest -= near[row, k] * gram[k]
         for _ in range(_SWEEPS):
             most = 0.0
             for half in range(size):
@@ -111,13 +116,14 @@ class SwingCosts:
     pressed: dict[int, Array]
 
 
-def swing_costs(problem: Problem, prices: Array, levels_m: Array) -> SwingCosts:
+def swing_costs(problem: Problem, prices: Array, levels_m: Array, near: SwingCosts | None = None) -> SwingCosts:
     """Return what swings cost.
 
     Args:
         problem: whose weights, cells and reference count.
         prices: on the positions of the feet, shape (N, 4, 3).
         levels_m: heights at which clearance multipliers are chosen, shape (K,); any are sound.
+        near: at prices that are nearly the same: its clearance multipliers are where the search for new ones begins.
     """
     weights, per, count, kinds = problem.weights, cell_samples(problem), cell_count(problem), len(levels_m)
     reference = problem.foot_reference_m
@@ -141,7 +147,8 @@ def swing_costs(problem: Problem, prices: Array, levels_m: Array) -> SwingCosts:
         slope, constant = _eliminated(one, along[:, :2])
         slopes[:, first, first + cells] = np.moveaxis(slope, 1, 2)
         constants[:, first, first + cells] = (constant + tracked[:, :2]).sum(axis=1)
-        nu = _clearance(one, along[:, 2], levels_m, problem.options.clearance_m)
+        before = None if near is None else near.pressed[cells]
+        nu = _clearance(one, along[:, 2], levels_m, problem.options.clearance_m, before)
         slope, constant = _eliminated(one, along[:, None, None, 2] - nu)
         total = nu.sum(axis=-1)
         slope += np.stack([share * total, (1 - share) * total], axis=-1)
@@ -160,7 +167,7 @@ def _eliminated(one: Swing, linear: Array) -> tuple[Array, Array]:
     return slope, -0.5 * np.einsum("...k,...k->...", inner @ one.inverse, inner)
 
 
-def _clearance(one: Swing, linear: Array, levels_m: Array, clearance_m: float) -> Array:
+def _clearance(one: Swing, linear: Array, levels_m: Array, clearance_m: float, before: Array | None) -> Array:
     """Return clearance multipliers of swings between all pairs of levels, shape (4, K, K, swings, n).
 
     Swings that last long do without: to lift a foot slowly costs next to nothing, but many sweeps.
@@ -174,5 +181,8 @@ def _clearance(one: Swing, linear: Array, levels_m: Array, clearance_m: float) -
         free = (pairs @ one.gain[:, middle])[None, :, :, None] + rest[:, None, None]
         lacks = pairs.max(axis=-1)[None, :, :, None, None] + clearance_m - free
         gram = np.ascontiguousarray(one.inverse[np.ix_(middle, middle)])
-        found[..., middle] = held_up(gram, lacks.reshape(-1, len(middle))).reshape(lacks.shape)
+        near = found[..., middle] if before is None else before[..., middle]
+        found[..., middle] = held_up(gram, lacks.reshape(-1, len(middle)), near.reshape(-1, len(middle))).reshape(
+            lacks.shape
+        )
     return found

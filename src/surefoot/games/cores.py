@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TypeVar
 
 from surefoot.compute import Deadline
@@ -20,6 +21,7 @@ from surefoot.games.subsets import Subsets
 from surefoot.logic.syntax import Conjunct, Specification, atoms, bit_owners
 
 _T = TypeVar("_T")
+_Question = Callable[[tuple[Conjunct, ...], Deadline], bool | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,18 +69,19 @@ def unrealizable_core(
     subsets = Subsets(specification, candidates, robotics=semantics == "robotics", env_dead_end=env_dead_end)
     best: list[tuple[Conjunct, ...]] = []
 
-    def unrealizable(kept: tuple[Conjunct, ...]) -> bool:
+    def unrealizable(kept: tuple[Conjunct, ...], ask: _Question = subsets.realizable) -> bool | None:
         deadline.check("searching for an unrealizable core")
-        lost = not subsets.realizable(kept, deadline)
-        if lost:
+        realizable = ask(kept, deadline)
+        if realizable is False:
             best.append(kept)
-        return lost
+        return None if realizable is None else not realizable
 
     def search() -> tuple[Conjunct, ...]:
         memory = Memory(unrealizable)
         if not memory.holds(candidates):
             raise ValueError("the specification is realizable: it has no unrealizable core")
-        return minimal(candidates, memory.holds)
+        hurried = Memory(partial(unrealizable, ask=subsets.glanced), memory.yes, memory.no)
+        return minimal(candidates, memory.holds, hurried.holds)
 
     try:
         return Core(watched(search, deadline))
@@ -119,34 +122,43 @@ class Memory:
     """Answers a monotone question about sets, from earlier answers where they tell.
 
     Attributes:
-        ask: whether it holds for a set; it then holds for every larger one.
+        ask: whether it holds for a set; it then holds for every larger one. None where that is not found out.
+        yes: sets for which it holds; two memories may share these and ``no``.
+        no: sets for which it does not.
         asked: how often ``ask`` was called.
     """
 
-    ask: Callable[[tuple[Conjunct, ...]], bool]
+    ask: Callable[[tuple[Conjunct, ...]], bool | None]
+    yes: list[frozenset[int]] = field(default_factory=list)
+    no: list[frozenset[int]] = field(default_factory=list)
     asked: int = 0
-    _yes: list[frozenset[int]] = field(default_factory=list)
-    _no: list[frozenset[int]] = field(default_factory=list)
 
     def holds(self, kept: tuple[Conjunct, ...]) -> bool:
-        """Return the answer for a set."""
+        """Return the answer for a set, False where it is not found out."""
         names = frozenset(map(id, kept))
-        if any(names >= known for known in self._yes):
+        if any(names >= known for known in self.yes):
             return True
-        if any(names <= known for known in self._no):
+        if any(names <= known for known in self.no):
             return False
         self.asked += 1
         answer = self.ask(kept)
-        (self._yes if answer else self._no).append(names)
-        return answer
+        if answer is not None:
+            (self.yes if answer else self.no).append(names)
+        return bool(answer)
 
 
-def minimal(items: tuple[_T, ...], holds: Callable[[tuple[_T, ...]], bool]) -> tuple[_T, ...]:
+def minimal(
+    items: tuple[_T, ...],
+    holds: Callable[[tuple[_T, ...]], bool],
+    glance: Callable[[tuple[_T, ...]], bool] | None = None,
+) -> tuple[_T, ...]:
     """Return a minimal subset for which a monotone question still holds; large pieces are left out first.
 
     Args:
         items: a set for which it holds.
         holds: whether it holds for a set; it then holds for every larger one.
+        glance: asked instead where several items are left out at once; it may give up and say no. What is hard to
+            tell of large sets is told soon enough of what is left of them.
     """
     if holds(()):
         return ()
@@ -155,7 +167,7 @@ def minimal(items: tuple[_T, ...], holds: Callable[[tuple[_T, ...]], bool]) -> t
         place = 0
         while place < len(items):
             shorter = items[:place] + items[place + size :]
-            if len(items) > 1 and holds(shorter):
+            if len(items) > 1 and (glance or holds if size > 1 else holds)(shorter):
                 items = shorter
             else:
                 place += size

@@ -1,7 +1,7 @@
 """Binary decision diagrams: the small interface that the symbolic engine needs, whoever provides them.
 
 A back end numbers its variables from 0, top of the order first. A set (a function) is a value of the back end's own
-class; ``&``, ``|``, ``^``, ``~`` and ``==`` work on it. See ``diagrams_oxidd`` and ``diagrams_cudd``.
+class; ``&``, ``|``, ``^``, ``~`` and ``==`` work on it. ``diagram_backends`` opens one by name.
 """
 
 from __future__ import annotations
@@ -9,11 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any, Literal, Protocol, TypeAlias
 
-from surefoot.errors import InputError
-
 Backend = Literal["oxidd", "cudd"]
 Set: TypeAlias = Any  # a function of the back end; its operators are untyped in both libraries
-NODES_PER_MEGABYTE = 1 << 15
 
 
 class Diagrams(Protocol):
@@ -80,25 +77,3 @@ class Diagrams(Protocol):
     def nodes(self) -> int:
         """Return the number of nodes that are alive, or thereabouts."""
         ...
-
-
-def diagrams(variables: int, *, backend: Backend = "oxidd", node_limit: int | None = None) -> Diagrams:
-    """Return a manager with so many variables.
-
-    Args:
-        variables: how many; variable 0 is the top of the order.
-        backend: ``oxidd`` (always there) or ``cudd`` (needs the package dd).
-        node_limit: the most nodes alive at once; None for the default, about 2 GB.
-
-    Raises:
-        BackendMissing: if the back end is not installed.
-    """
-    if backend == "oxidd":
-        from surefoot.games.diagrams_oxidd import OxiddDiagrams
-
-        return OxiddDiagrams(variables, node_limit)
-    if backend == "cudd":
-        from surefoot.games.diagrams_cudd import CuddDiagrams
-
-        return CuddDiagrams(variables, node_limit)
-    raise InputError(f"there is no decision diagram back end {backend!r}; there are: oxidd, cudd")

@@ -96,6 +96,33 @@ class RankingPlayer:
                     chosen[bit] ^= 1
         return self._tried(values, variables, roots, chosen)
 
+    def moves(self, state: Bits | None, most: int) -> Bits | None:
+        """Return all next inputs that the environment may choose (None: initial ones), as rows; None if too many."""
+        variables = self._now if state is None else self._then
+        roots = [self.ranking.env_init] if state is None else self.ranking.environment.tolist()
+        values = np.zeros(2 * self._bits, dtype=np.uint8) if state is None else self._values(self._now, state)
+        return self._all(values, variables[: self._inputs], roots, most)
+
+    def starts(self, most: int, *, robotics: bool) -> list[tuple[int, Bits]] | None:
+        """Return the memory and the states in which plays start; None if there are too many.
+
+        Raises:
+            ValueError: an initial input has no start.
+        """
+        ranking = self.ranking
+        if robotics:
+            nothing = np.zeros(2 * self._bits, dtype=np.uint8)
+            states = self._all(nothing, self._now, [ranking.env_init, ranking.sys_init], most)
+            return None if states is None else [(0, state) for state in states]
+        inputs = self.moves(None, most)
+        if inputs is None:
+            return None
+        begun = [self.start(one) for one in inputs]
+        found = [one for one in begun if one is not None]
+        if len(found) < len(begun):
+            raise ValueError("the ranking has no start for some initial inputs")
+        return found
+
     def decoded(self, state: Bits) -> tuple[int, ...]:
         """Return the values of all variables in a state, inputs first."""
         values, bit = [], 0
@@ -185,6 +212,16 @@ class RankingPlayer:
         inputs = values[variables[: self._inputs]]
         inputs[free] = found
         return inputs
+
+    def _all(self, values: Bits, free: NDArray[np.int64], roots: Sequence[int], most: int) -> Bits | None:
+        """Return all values of free variables with which all diagrams hold, as rows; None if there are too many."""
+        values = values.copy()
+        values[free] = FREE
+        found, whole = complete(*self._tables, np.array(roots, dtype=np.int32), values, most)
+        if not whole:
+            return None
+        rows: Bits = found[:, np.argsort(np.argsort(free))]
+        return rows
 
     def _completed(self, values: Bits, free: NDArray[np.int64], roots: Sequence[int]) -> Bits | None:
         """Return values of free variables with which all diagrams hold; None if there are none."""

@@ -19,6 +19,7 @@ from surefoot.games.symbolic import SymbolicGame, solve_symbolically
 from surefoot.logic.syntax import Conjunct, Specification
 
 _FIRST_WORK = 4 * FIRST_SHARE
+_GLANCE_WORK = 2 * FIRST_SHARE
 _GROWTH = 4
 _BOUNDS = 3
 Order = tuple[int, ...]
@@ -58,17 +59,26 @@ class Subsets:
         Raises:
             LimitExceeded: once the deadline has passed, or the diagrams are too large.
         """
-        names, work = frozenset(map(id, kept)), _FIRST_WORK
-        while True:
-            for order in list(self._orders):
-                try:
-                    answer = self._attempt(order, names, deadline, work)
-                except OutOfWork:
-                    continue
-                self._orders.remove(order)
-                self._orders.insert(0, order)
-                return answer
+        work = _FIRST_WORK
+        while (answer := self._asked(kept, deadline, work, len(self._orders))) is None:
             work *= _GROWTH
+        return answer
+
+    def glanced(self, kept: tuple[Conjunct, ...], deadline: Deadline) -> bool | None:
+        """Return the same as ``realizable`` if little work with the best order tells, else None."""
+        return self._asked(kept, deadline, _GLANCE_WORK, 1)
+
+    def _asked(self, kept: tuple[Conjunct, ...], deadline: Deadline, work: int, orders: int) -> bool | None:
+        names = frozenset(map(id, kept))
+        for order in self._orders[:orders]:
+            try:
+                answer = self._attempt(order, names, deadline, work)
+            except OutOfWork:
+                continue
+            self._orders.remove(order)
+            self._orders.insert(0, order)
+            return answer
+        return None
 
     def _attempt(self, order: Order, names: frozenset[int], deadline: Deadline, work: int) -> bool:
         whole = self._encoding(order, deadline, work)

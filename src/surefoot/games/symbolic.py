@@ -22,7 +22,8 @@ from itertools import count, cycle
 
 from surefoot.compute import Deadline
 from surefoot.games.bits import BitGame, Part
-from surefoot.games.diagrams import Backend, Set, diagrams
+from surefoot.games.diagram_backends import diagrams
+from surefoot.games.diagrams import Backend, Set
 from surefoot.games.ordering import variable_orders
 from surefoot.games.relation import Encoder, Move, primed
 from surefoot.games.solution import EnvDeadEnd
@@ -92,7 +93,6 @@ class SymbolicGame:
         self.sys_init = encoder.conjunction(encoder.set_of(part.formula) for part in game.sys_init)
         self.goals = [self._liveness(part) for part in game.goals] or [Liveness(self.manager.true, True)]
         self.justices = [self._liveness(part) for part in game.justices]
-        self.input_cube = self.manager.cube(encoder.now(bit) for bit in inputs)
         self.output_cube = self.manager.cube(encoder.now(bit) for bit in outputs)
         everything = range(len(game.bits))
         self._to_next = self.manager.renaming(primed(encoder, everything))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from surefoot import __version__
 from surefoot.compute import sha256_of, write_text_whole, written_whole
-from surefoot.documents import read_json_object
+from surefoot.documents import is_format, read_json_object
 from surefoot.errors import InputError
 from surefoot.logic.syntax import Specification, Variable
 
@@ -94,7 +94,7 @@ def read_header(path: Path, kind: str) -> dict[str, Any]:
         InputError: it is missing, too large, or of another kind.
     """
     header = read_json_object(path, LARGEST_BYTES, hint="a strategy is written by: surefoot synth SPEC -o FILE")
-    if header.get("kind") != kind or header.get("format") != 1:
+    if header.get("kind") != kind or not is_format(header.get("format")):
         raise InputError(f"is no strategy of kind {kind}, format 1", source=path)
     return header
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 NAME_PATTERN = r"[A-Za-z_][A-Za-z0-9_.]*(?:@0\.-?[0-9]+\.-?[0-9]+|@[0-9]+)?"
 """A name, perhaps with the ending of a bit of an integer."""
@@ -236,11 +235,6 @@ class Specification:
     def variable(self, name: str) -> Variable | None:
         """Return the variable of that name."""
         return self._by_name.get(name)
-
-    def with_section(self, name: str, conjuncts: Iterable[Conjunct]) -> Specification:
-        """Return the specification with another content of one section, such as ``SYS_TRANS``."""
-        changes: dict[str, Any] = {name.lower(): tuple(conjuncts)}
-        return replace(self, **changes)
 
 
 SECTIONS = (

@@ -75,10 +75,6 @@ class Transducer:
         """Return the successors of a node."""
         return self.successors[self.first[node] : self.first[node + 1]]
 
-    def inputs_of(self, node: int) -> tuple[int, ...]:
-        """Return the values of the inputs in a node."""
-        return tuple(int(value) for value in self.values[node, : self.inputs])
-
     def valuation(self, node: int) -> dict[str, int]:
         """Return the value of every variable in a node."""
         return {v.name: int(value) for v, value in zip(self.variables, self.values[node], strict=True)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from surefoot.documents import Loc, read_yaml, unknown_key
+from surefoot.documents import Loc, is_format, read_yaml, unknown_key
 from surefoot.errors import InputError
 from surefoot.missions.obstacle_bodies import Body
 from surefoot.missions.obstacle_policies import Situation
@@ -13,9 +13,9 @@ from surefoot.world import CoarseGrid
 
 FARTHEST_M = 1e6
 TURNS_ROUND_AFTER = 3
-_KNOWN = {"format": 1, "kind": "obstacle-script"}
+_KIND = "obstacle-script"
 _FLAGS = ("repeat", "breaks_assumptions")
-_KEYS = (*_KNOWN, "positions_m", *_FLAGS)
+_KEYS = ("format", "kind", "positions_m", *_FLAGS)
 
 
 _Lines = dict[Loc, int]
@@ -88,7 +88,7 @@ def read_script(path: Path, grid: CoarseGrid, bodies: tuple[Body, ...]) -> Scrip
     if document.problems:
         raise document.problems[0]
     content, lines = document.value, document.lines
-    if not isinstance(content, dict) or {key: content.get(key) for key in _KNOWN} != _KNOWN:
+    if not isinstance(content, dict) or content.get("kind") != _KIND or not is_format(content.get("format")):
         raise InputError("must be a mapping with format: 1, kind: obstacle-script and positions_m", source=path)
     strange = next((key for key in content if key not in _KEYS), None)
     if strange is not None:

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from surefoot.documents import Loc, dotted, read_yaml, unknown_key
+from surefoot.documents import Loc, dotted, is_format, read_yaml, unknown_key
 from surefoot.errors import InputError
 
 HARDEST_MPS = 10.0
 MOST_STEPS = 10_000_000
-_KNOWN = {"format": 1, "kind": "push-script"}
+_KIND = "push-script"
 _KEYS = ("step", "instant", "sagittal_mps", "lateral_mps")
 
 
@@ -166,9 +166,9 @@ def read_pushes(path: Path) -> ScriptedPushes:
     if document.problems:
         raise document.problems[0]
     content = document.value
-    if not isinstance(content, dict) or {key: content.get(key) for key in _KNOWN} != _KNOWN:
+    if not isinstance(content, dict) or content.get("kind") != _KIND or not is_format(content.get("format")):
         raise InputError("must be a mapping with format: 1, kind: push-script and pushes", source=path)
-    _only(content, (*_KNOWN, "pushes"), path, document.lines, ())
+    _only(content, ("format", "kind", "pushes"), path, document.lines, ())
     listed = content.get("pushes")
     if not isinstance(listed, tuple) or not listed:
         message = "has to be a list of at least one push"

@@ -53,12 +53,17 @@ class QuadrupedAnswer:
         blocked_by: what stands in the way where none leads to the goal, with the measures that decide.
         transitions: that were walked.
         repairs: strategies that were made at run time, because the library had none or a program failed.
-        new_skills: skills that physics certified at run time.
+        new_skills: skills that physics certified, before the robot set out or on the way.
         resynthesis_ms: the longest time that making such a strategy from skills at hand took [ms], in processor time.
-        repair_ms: the same where physics had to be asked about new skills, physics not counted.
+        repair_ms: the same where physics had to be asked about new skills, physics not counted; 0 without any.
+        prepared_ms: what strategies took for which skills were made before the robot set out, in all, physics not
+            counted.
         contradictions: online programs that are infeasible although the skill has an offline certificate.
+        no_stance: moves whose target has no pose in which the robot can stand, so that no program was solved.
         other_gaits: how many of these transitions another gait could do.
         settled: how often the robot stepped in place, because a program failed from where its feet were.
+        left: how often the robot left its own cell at once, because that had become an obstacle.
+        withdrawn: motions that were planned, and not walked because of what happened before they began.
         limits: online programs that a limit left open.
         violations: assumptions of a strategy that did not hold any more.
         detours: how often the robot stood and the global planner was asked for another way.
@@ -82,9 +87,13 @@ class QuadrupedAnswer:
     new_skills: int
     resynthesis_ms: float
     repair_ms: float
+    prepared_ms: float
     contradictions: int
+    no_stance: int
     other_gaits: int
     settled: int
+    left: int
+    withdrawn: int
     limits: int
     violations: int
     detours: int
@@ -152,7 +161,7 @@ def walk_quadruped(
     events = () if order.events is None else read_events(order.events)
     delays_s = delays(order.delay)
     world, robot = World(terrain), quadruped(terrain.robot)
-    stance = _standing(robot, world, terrain.cell_at(start))
+    stance = _standing(robot, world, terrain.cell_at(start), joint_reach=order.limits.joint_reach)
     with process_pool(preload=PRELOAD) as executor:
         checks = terrain_checks(terrain, executor, at_run_time=True)
         library = None if order.library is None else read_library(order.library, made_with=checks.made_with)
@@ -189,10 +198,12 @@ def _place(terrain: QuadrupedTerrain, key: str) -> Point:
     return place
 
 
-def _standing(robot: Quadruped, world: World, cell: Cell) -> Stance:
+def _standing(robot: Quadruped, world: World, cell: Cell, *, joint_reach: bool) -> Stance:
     """Return how the robot stands in a cell at the start."""
     terrain = world.terrain
-    stance = None if world.state(cell) is None else stance_about(robot, world, terrain.centre_m(cell), 0)
+    centre_m = terrain.centre_m(cell)
+    free = world.state(cell) is not None
+    stance = stance_about(robot, world, centre_m, 0, joint_reach=joint_reach) if free else None
     if stance is None or world.state(stance.cell) is None:
         why = in_words(why_obstacle(terrain, cell)) or "no pose about its centre has ground for all four feet"
         raise InputError(f"the robot cannot stand at the start, in cell {cell}: {why}", key="start_m")
@@ -236,6 +247,7 @@ def _header(
         "gap": limits.gap,
         "time_limit_s": limits.time_limit_s,
         "collision": limits.collision,
+        "joint_reach": limits.joint_reach,
     }
 
 
@@ -268,9 +280,13 @@ def _answer(walk: QuadrupedWalk, why_not: str, blocked: tuple[Barrier, ...], out
         new_skills=tally.new_skills,
         resynthesis_ms=max(tally.resynthesis_ms, default=0.0),
         repair_ms=max(tally.repair_ms, default=0.0),
+        prepared_ms=tally.prepared_ms,
         contradictions=tally.contradictions,
+        no_stance=tally.no_stance,
         other_gaits=tally.other_gaits,
         settled=tally.settled,
+        left=tally.left,
+        withdrawn=tally.withdrawn,
         limits=tally.limits,
         violations=tally.violations,
         detours=tally.detours,

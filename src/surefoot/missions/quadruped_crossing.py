@@ -13,6 +13,7 @@ from functools import partial
 import numpy as np
 
 from surefoot.footholds import FreeGait, Gait, Options, Problem, Solution, retarget, retargeted, solve
+from surefoot.footholds.gaits import NAMED
 from surefoot.footholds.model import Choice
 from surefoot.footholds.problem import Array
 from surefoot.footholds.solve import no_plan
@@ -22,6 +23,19 @@ from surefoot.missions.quadruped_world import World
 from surefoot.robots.quadruped import Quadruped
 from surefoot.skills.values import Cell
 
+SETTLING = NAMED["trot-1s"]
+"""The gait in which the robot steps in place."""
+OTHER_GAITS: tuple[Gait | FreeGait, ...] = (
+    NAMED["trot-2s"],
+    NAMED["trot-2s-mirrored"],
+    NAMED["trot-3s"],
+    NAMED["trot-3s-mirrored"],
+    NAMED["leap-1.5s"],
+    NAMED["walk-2.25s"],
+    FreeGait(2.0),
+    FreeGait(3.0),
+)
+"""What is tried where the certificate's gait fails on the real polygons: the known gaits, and last any gait at all."""
 LIMIT = "limit:"
 """Begins the reason of a program that was left open."""
 _CANCELLED = "cancelled"
@@ -36,12 +50,14 @@ class OnlineLimits:
         time_limit_s: of one search, in processor time.
         better_s: how much of it is spent on better motions; after that any motion will do.
         collision: whether feet keep clear of the edges of steps.
+        joint_reach: whether feet keep to where the legs reach with their joints' limits.
     """
 
     gap: float = 0.01
     time_limit_s: float = 5.0
     better_s: float = 0.5
     collision: bool = True
+    joint_reach: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,6 +107,18 @@ class Crossed:
         return self.solution is not None
 
     @property
+    def refuted(self) -> bool:
+        """Whether the program of the motion was solved, and has none: a pose to end in is not enough."""
+        return self.infeasible and self.standing
+
+    @property
+    def outcome(self) -> str:
+        """How the program ended, as run logs call it."""
+        if not self.reason:
+            return "feasible"
+        return "limit" if not self.infeasible else "infeasible" if self.standing else "no pose"
+
+    @property
     def binaries(self) -> int:
         """How many binary variables the program of the paper would have."""
         problem = self.problem
@@ -127,7 +155,12 @@ def crossing(
         goal_rpy_rad=heading_rpy_rad(quarter_turns),
         polygons=ground.polygons,
         free_regions=ground.free_regions,
-        options=Options(gap=limits.gap, time_limit_s=20 * limits.time_limit_s, collision=bool(ground.free_regions)),
+        options=Options(
+            gap=limits.gap,
+            time_limit_s=20 * limits.time_limit_s,
+            collision=bool(ground.free_regions),
+            joint_reach=limits.joint_reach,
+        ),
     )
 
 
@@ -164,7 +197,7 @@ def _with_gait(problem: Problem, limits: OnlineLimits) -> Problem:
     """Return a problem whose gait is to be found with one that works; as it is where there is none in time."""
     if not isinstance(problem.gait, FreeGait):
         return problem
-    any_gait = replace(problem, options=replace(problem.options, first_plan=True))
+    any_gait = replace(problem, options=replace(problem.options, first_plan=True, joint_reach=False))
     found = solve(any_gait, cancelled=_budget(limits.time_limit_s), certify=False, why=False).free
     return problem if found is None or found.gait is None else replace(problem, gait=found.gait)
 

@@ -81,7 +81,7 @@ class _Reading:
         if not isinstance(value, dict) or set(value) != {*_KNOWN, "events"}:
             raise self.wrong("needs exactly the keys format, kind and events")
         for key, allowed in _KNOWN.items():
-            if value[key] != allowed:
+            if value[key] != allowed or type(value[key]) is not type(allowed):
                 raise self.wrong(f"has to be {allowed}", key)
         given = value["events"]
         if not isinstance(given, list | tuple) or len(given) > _MOST:

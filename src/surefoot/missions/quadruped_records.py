@@ -77,7 +77,9 @@ class Log:
         """Write which skills were made before the robot set out."""
         checks = _checks(checked, plans)
         self.write("prepared", **checks)
-        self.say(f"before setting out: skills made that the way lacks: {len(checks['new'])} of {len(checks['asked'])}")
+        made, asked = len(checks["new"]), len(checks["asked"])
+        lacks = f"{asked} skill{'s' if asked > 1 else ''} that the way lacks"
+        self.say(f"before setting out, physics was asked about {lacks}, and found {made or 'none'}")
 
     def segment(
         self,
@@ -86,21 +88,21 @@ class Log:
         slot: Slot,
         stance: Stance,
         target: Pose,
-        primitive: Primitive | None,
+        name: str | None,
         move: tuple[Pose, Pose] | None,
     ) -> None:
-        """Write a motion that is walked, in place if it has no primitive; its plan is a file before the record is."""
+        """Write a motion that is walked, in place if it has no name; its plan is a file before the record is."""
         assert crossed.solution is not None
-        name = f"{PLANS}/segment-{segment.number:04}.json"
-        write_plan(self.folder / name, crossed.problem, crossed.solution)
+        file = f"{PLANS}/segment-{segment.number:04}.json"
+        write_plan(self.folder / file, crossed.problem, crossed.solution)
         self.write(
             "segment",
             number=segment.number,
-            primitive=None if primitive is None else primitive.name,
+            primitive=name,
             move=None if move is None else [pose[0] for pose in move],
             cells=[stance.cell, target[0]],
             quarter_turns=[stance.quarter_turns, target[1]],
-            plan={"path": name, "sha256": sha256_of(self.folder / name)},
+            plan={"path": file, "sha256": sha256_of(self.folder / file)},
             start_s=segment.start_s,
             end_s=segment.end_s,
             plan_start_s=slot.plan_start_s,
@@ -114,35 +116,41 @@ class Log:
             solve_ms=round(crossed.solve_ms, 3),
             clock_ms=round(crossed.clock_ms, 3),
         )
-        self.say(f"segment {segment.number}: {primitive.name if primitive else 'in place'}, {crossed.solve_ms:.0f} ms")
+        self.say(f"segment {segment.number}: {name or 'in place'}, {crossed.solve_ms:.0f} ms")
 
     def failed(
         self,
         stance: Stance,
         target: Pose,
-        primitive: Primitive,
-        move: tuple[Pose, Pose],
+        name: str,
+        move: tuple[Pose, Pose] | None,
         crossed: Crossed,
     ) -> None:
         """Write a transition whose program has no motion."""
         self.write(
             "failed",
-            primitive=primitive.name,
-            move=[pose[0] for pose in move],
+            primitive=name,
+            move=None if move is None else [pose[0] for pose in move],
             cells=[stance.cell, target[0]],
             quarter_turns=[stance.quarter_turns, target[1]],
+            outcome=crossed.outcome,
             reason=crossed.reason,
-            contradiction=crossed.infeasible,
+            contradiction=crossed.refuted and move is not None,
             polygons=len(crossed.problem.polygons),
             retarget_ms=round(crossed.retarget_ms, 3),
             solve_ms=round(crossed.solve_ms, 3),
         )
-        self.say(f"{primitive.name} failed from {stance.cell} to {target[0]}: {crossed.reason}")
+        self.say(f"{name} failed from {stance.cell} to {target[0]}: {crossed.reason}")
 
-    def event(self, event: Event, segment: int, landed: Stance | None) -> None:
+    def withdrawn(self, stance: Stance, target: Pose, name: str | None, seen_s: float) -> None:
+        """Write a motion that was planned, and is not walked because of what happened before it began."""
+        self.write("withdrawn", primitive=name, cells=[stance.cell, target[0]], seen_s=seen_s)
+        self.say(f"{name or 'a step in place'} is withdrawn before it began")
+
+    def event(self, event: Event, segment: int, seen_s: float, landed: Stance | None) -> None:
         """Write what happened to the world, before a segment."""
         stands = None if landed is None else {"cell": landed.cell, "base_m": landed.base_m, "feet_m": landed.feet_m}
-        self.write("event", before_segment=segment, event=event.described(), stands=stands)
+        self.write("event", before_segment=segment, seen_s=seen_s, event=event.described(), stands=stands)
         self.say(f"before segment {segment}: {_HAPPENED[event.what]}")
 
 

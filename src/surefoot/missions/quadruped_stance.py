@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.footholds import Problem, retarget
+from surefoot.footholds import Options, Problem, retarget
 from surefoot.footholds.gaits import NAMED
 from surefoot.footholds.plan import Plan
 from surefoot.footholds.problem import Array, nominal_feet
@@ -77,7 +77,9 @@ def heading_rpy_rad(quarter_turns: int) -> Array:
     return np.array([0.0, 0.0, quarter_turns * math.pi / 2])
 
 
-def standing_problem(robot: Quadruped, world: World, place_m: Point, quarter_turns: int) -> Problem:
+def standing_problem(
+    robot: Quadruped, world: World, place_m: Point, quarter_turns: int, *, joint_reach: bool = False
+) -> Problem:
     """Return the program of standing about a place, on the ground of its cell; for re-targeting."""
     cell = world.terrain.cell_at(place_m)
     height_m = world.height_m(cell)
@@ -100,6 +102,7 @@ def standing_problem(robot: Quadruped, world: World, place_m: Point, quarter_tur
         goal_m=wished,
         goal_rpy_rad=rpy,
         polygons=polygons,
+        options=Options(joint_reach=joint_reach),
     )
 
 
@@ -107,11 +110,13 @@ _LEVEL_M = 0.08
 """Ground that differs by more from the mean of a cell is no part of it: other measures call it another level."""
 
 
-def stance_about(robot: Quadruped, world: World, place_m: Point, quarter_turns: int) -> Stance | None:
+def stance_about(
+    robot: Quadruped, world: World, place_m: Point, quarter_turns: int, *, joint_reach: bool = False
+) -> Stance | None:
     """Return how the robot can stand nearest to a place; None where it cannot, or outside of the map."""
     if not _on_map(world, place_m):
         return None
-    problem = standing_problem(robot, world, place_m, quarter_turns)
+    problem = standing_problem(robot, world, place_m, quarter_turns, joint_reach=joint_reach)
     if not problem.polygons:
         return None
     found = retarget(problem)

@@ -10,38 +10,35 @@ Source: Zhou et al. 2025, VII and VIII-B; docs/quadruped.md.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
-from surefoot.footholds.gaits import NAMED, FreeGait, Gait
+from surefoot.footholds.gaits import FreeGait, Gait
 from surefoot.missions.quadruped_ahead import looked_ahead
-from surefoot.missions.quadruped_crossing import Certificate, Crossed, OnlineLimits, cross, crossing
+from surefoot.missions.quadruped_changes import LEAVE, pushed, still_fits, ways_out
+from surefoot.missions.quadruped_crossing import (
+    OTHER_GAITS,
+    SETTLING,
+    Certificate,
+    Crossed,
+    OnlineLimits,
+    cross,
+    crossing,
+)
 from surefoot.missions.quadruped_events import Event, Happening
 from surefoot.missions.quadruped_records import Log
 from surefoot.missions.quadruped_route import Edge, Pose, Routes, moves_from, pose_in_grid, pose_on_map
 from surefoot.missions.quadruped_skills import Handled, SkillBook
-from surefoot.missions.quadruped_stance import Segment, Stance, stance_about
+from surefoot.missions.quadruped_stance import Segment, Stance
 from surefoot.missions.quadruped_tally import Tally
 from surefoot.missions.quadruped_timeline import Clock, delay_of
 from surefoot.missions.quadruped_world import World
 from surefoot.robots.quadruped import Quadruped
-from surefoot.skills.values import OBSTACLE, Cell, CheckResult, Physics, Primitive, TerrainState, Way
+from surefoot.skills.values import OBSTACLE, Cell, CheckResult, Direction, Physics, Primitive, TerrainState, Way
 
 Strategy = Mapping[Pose, Way | None]
-SETTLING = NAMED["trot-1s"]
-"""The gait in which the robot steps in place."""
-OTHER_GAITS: tuple[Gait | FreeGait, ...] = (
-    NAMED["trot-2s"],
-    NAMED["trot-2s-mirrored"],
-    NAMED["trot-3s"],
-    NAMED["trot-3s-mirrored"],
-    NAMED["leap-1.5s"],
-    NAMED["walk-2.25s"],
-    FreeGait(2.0),
-    FreeGait(3.0),
-)
-"""What is tried where the certificate's gait fails on the real polygons: the known gaits, and last any gait at all."""
 _SETTLED_M = 0.01
 
 
@@ -107,7 +104,8 @@ class QuadrupedWalk:
         made = [one for one in looked_ahead(self.world, self.book, self._pose, self.goal) if one.checked]
         self.clock = self.clock.planned(time.process_time() - begin_s)
         for one in made:
-            self._spend(one.checked, one.symbolic_ms)
+            self.tally.prepared_ms += one.symbolic_ms
+            self._spend(one.checked)
         if made:
             self.log.prepared([result for one in made for result in one.checked], self.book.new_plans)
 
@@ -118,10 +116,10 @@ class QuadrupedWalk:
         state = self.world.state(cell, turns)
         if cell == self.goal:  # a push took it there
             return ""
-        if state is None:
-            return "the robot's own cell has become an obstacle"
         if not all(map(self.world.holds, self.stance.feet_m)):
             return "the ground below a foot of the robot has gone"
+        if state is None:
+            return self._leave()
         begin_s = time.process_time()
         routes, refused = self._routed(turns), self.book.knowledge.refused
         route = routes.route(cell)
@@ -190,13 +188,13 @@ class QuadrupedWalk:
             return
         self.tally.repairs += 1
         self.clock = self.clock.planned(1e-3 * handled.symbolic_ms)
-        self._spend(handled.checked, handled.symbolic_ms)
+        times = self.tally.repair_ms if handled.checked else self.tally.resynthesis_ms
+        times.append(handled.symbolic_ms)
+        self._spend(handled.checked)
 
-    def _spend(self, checked: Sequence[CheckResult], symbolic_ms: float) -> None:
-        """Count what a strategy took to make, and let the time pass that physics took."""
+    def _spend(self, checked: Sequence[CheckResult]) -> None:
+        """Count the skills that physics found, and let the time pass that it took."""
         self.tally.new_skills += sum(one.verdict is Physics.FEASIBLE for one in checked)
-        times = self.tally.repair_ms if checked else self.tally.resynthesis_ms
-        times.append(symbolic_ms)
         physics_s = sum(one.time_s for one in checked)
         self.checking_s += physics_s
         self.clock = self.clock.planned(physics_s)
@@ -206,11 +204,12 @@ class QuadrupedWalk:
         looked, grid = self._pose, (state.rows, state.columns)
         local: Pose = (state.centre, 0)
         while (way := strategy[local]) is not None and self.stance.cell != self.goal:
-            if self._happen() and not self._holds(state, looked, local):
+            holds = partial(self._holds, state, looked, local)
+            if self._happen() and not holds():
                 return
             steps = {primitive.direction: (primitive, after) for primitive, after in self._ways(state, local)}
             primitive, after = steps[way]
-            if not self._advance(pose_on_map(looked, after, grid), primitive, (local, after)):
+            if not self._advance(pose_on_map(looked, after, grid), primitive, (local, after), holds):
                 return
             local = after
 
@@ -227,8 +226,10 @@ class QuadrupedWalk:
         now = self.world.state(*looked)
         if now == state:
             return True
-        changed = [cell for cell in state.cells() if now is None or now.label(cell) != state.label(cell)]
-        appeared = [cell for cell in changed if now is None or now.label(cell) == OBSTACLE]
+        if now is None:
+            return self._violated("obstacle", f"the cell {looked[0]} has become an obstacle")
+        changed = [cell for cell in state.cells() if now.label(cell) != state.label(cell)]
+        appeared = [cell for cell in changed if now.label(cell) == OBSTACLE]
         what = "an obstacle appeared" if appeared else "the terrain changed"
         return self._violated("obstacle" if appeared else "terrain", f"{what} in {changed} of the local grid")
 
@@ -238,50 +239,73 @@ class QuadrupedWalk:
         return False
 
     def _happen(self) -> bool:
-        """Let happen what is due; return whether anything did."""
+        """Let happen what is due when the planner looks; return whether anything did."""
         due = [one for one in self.waiting if one.due(len(self.segments), self.clock.planner_s)]
         for event in due:
-            self.waiting.remove(event)
-            self._apply(event)
+            self._apply(event, self.clock.planner_s)
         return bool(due)
 
-    def _apply(self, event: Event) -> None:
+    def _apply(self, event: Event, seen_s: float) -> None:
+        self.waiting.remove(event)
         if event.what is Happening.OBSTACLE and event.area is not None:
             self.world = self.world.with_obstacle(event.area)
         elif event.what is Happening.HOLE and event.area is not None:
             self.world = self.world.without_ground(event.area)
-        landed = self._pushed(event) if event.push_m is not None else None
-        self.log.event(event, len(self.segments), landed)
+        legs = self.limits.joint_reach
+        landed = pushed(self.robot, self.world, self.stance, event.push_m, joint_reach=legs) if event.push_m else None
+        self.log.event(event, len(self.segments), seen_s, landed)
         self.stance = landed or self.stance
         self.lost.clear()
 
-    def _pushed(self, event: Event) -> Stance | None:
-        """Return how the robot stands after a push; None where it cannot, so that nothing moves."""
-        assert event.push_m is not None
-        x, y = (float(self.stance.base_m[k]) + event.push_m[k] for k in (0, 1))
-        return stance_about(self.robot, self.world, (x, y), self.stance.quarter_turns)
-
-    def _advance(self, target: Pose, primitive: Primitive, move: tuple[Pose, Pose]) -> bool:
-        """Plan the motion of one transition and have it walked; return whether there is one.
+    def _advance(self, target: Pose, primitive: Primitive, move: tuple[Pose, Pose], holds: Callable[[], bool]) -> bool:
+        """Plan the motion of one transition and have it walked; return whether that was done.
 
         Certificates begin in a re-targeted pose. A motion may end with its feet far from theirs; where the next program
-        fails for that reason, the robot settles first.
+        fails for that reason, the robot settles first, and looks around again.
         """
         certificate = self.book.certificate(primitive)
         begin_s = self.clock.planner_s
         crossed = self._planned(target, certificate.gait, certificate)
-        if crossed.infeasible and crossed.standing and self._settled(begin_s):
+        settling = self._settling() if crossed.refuted else None
+        if settling is not None:
+            if not self._send(settling, begin_s, self._pose, None, None, holds):
+                return False
+            self.tally.settled += 1
+            if self._happen() and not holds():
+                return False
             begin_s = self.clock.planner_s
             crossed = self._planned(target, certificate.gait, certificate)
-        if crossed.infeasible:
+        if crossed.refuted:
             self.tally.contradictions += 1
-            another = self._with_another_gait(target, certificate.gait) if crossed.standing else None
-            crossed = another or crossed
+            crossed = self._with_another_gait(target, certificate.gait) or crossed
         if crossed.reason:
-            self._fail(target, primitive, move, crossed)
+            self._fail(target, primitive.name, move, crossed)
             return False
-        self._send(crossed, begin_s, target, primitive, move)
-        return True
+        return self._send(crossed, begin_s, target, primitive.name, move, holds)
+
+    def _leave(self) -> str:
+        """Leave a cell that has become an obstacle, in any gait that leads out; return why not, if none does."""
+        begin_s = self.clock.planner_s
+        ways = ways_out(self.world, self._pose, self._routed(self.stance.quarter_turns).left)
+        refused: dict[Direction, Crossed] = {}
+        for gait in OTHER_GAITS:
+            for way, cell in ways:
+                target = cell, self.stance.quarter_turns
+                if way in refused and not refused[way].standing:
+                    continue
+                crossed = self._planned(target, gait)
+                if not crossed.reason:
+                    free = partial(self._free, target)
+                    self.tally.left += self._send(crossed, begin_s, target, f"{LEAVE} {way}", None, free)
+                    return ""
+                refused[way] = crossed
+        for way, cell in ways:
+            self._fail((cell, self.stance.quarter_turns), f"{LEAVE} {way}", None, refused[way])
+        return "the robot's own cell has become an obstacle, and no motion leads out of it"
+
+    def _free(self, target: Pose) -> bool:
+        """Return whether the robot may still go to a cell."""
+        return self.world.state(*target) is not None
 
     def _planned(self, target: Pose, gait: Gait | FreeGait, certificate: Certificate | None = None) -> Crossed:
         """Solve the program of a transition, and let the time pass that it took."""
@@ -312,27 +336,26 @@ class QuadrupedWalk:
                     return crossed
         return None
 
-    def _settled(self, begin_s: float) -> bool:
-        """Step in place until the feet are where they should be; return whether that was of any use."""
+    def _settling(self) -> Crossed | None:
+        """Return a motion in place that puts the feet where they should be; None where that is of no use."""
         settling = self._planned(self._pose, SETTLING)
         if settling.reason or settling.solution is None or settling.solution.plan is None:
-            return False
+            return None
         moved_m = float(np.abs(settling.solution.plan.feet_m[-1] - self.stance.feet_m).max())
-        if moved_m < _SETTLED_M:
-            return False
-        self.tally.settled += 1
-        self._send(settling, begin_s, self._pose, None, None)
-        return True
+        return settling if moved_m >= _SETTLED_M else None
 
     def _send(
         self,
         crossed: Crossed,
         begin_s: float,
         target: Pose,
-        primitive: Primitive | None,
+        name: str | None,
         move: tuple[Pose, Pose] | None,
-    ) -> None:
-        """Send a motion to whoever tracks it; the robot will stand at its end."""
+        holds: Callable[[], bool],
+    ) -> bool:
+        """Send a motion to whoever tracks it, or withdraw it; return whether it was sent."""
+        if self._withdrawn(crossed, target, name, holds):
+            return False
         assert crossed.solution is not None
         assert crossed.solution.plan is not None
         plan = crossed.solution.plan
@@ -342,11 +365,31 @@ class QuadrupedWalk:
         self.checking_s = 0.0
         segment = Segment(len(self.segments), crossed.problem, plan, slot.start_s)
         self.segments.append(segment)
-        self.log.segment(segment, crossed, slot, self.stance, target, primitive, move)
+        self.log.segment(segment, crossed, slot, self.stance, target, name, move)
         self.stance = Stance(*target, plan.base_m[-1], plan.feet_m[-1])
+        return True
 
-    def _fail(self, target: Pose, primitive: Primitive, move: tuple[Pose, Pose], crossed: Crossed) -> None:
+    def _withdrawn(self, crossed: Crossed, target: Pose, name: str | None, holds: Callable[[], bool]) -> bool:
+        """Watch the world until a planned motion begins; return whether what happens leads to another plan.
+
+        A motion that has begun is walked to its end: feet in the air cannot wait.
+        """
+        begins_s, stance = max(self.clock.planner_s, self.clock.walked_s), self.stance
+        for event in sorted(self.waiting, key=lambda one: one.at_s or 0.0):
+            if event.at_s is None or event.at_s > begins_s:
+                continue
+            seen_s = max(self.clock.planner_s, event.at_s)
+            self._apply(event, seen_s)
+            if self.stance is not stance or not holds() or not still_fits(crossed, self.world):
+                self.clock = self.clock.planned(seen_s - self.clock.planner_s)
+                self.tally.withdrawn += 1
+                self.log.withdrawn(stance, target, name, seen_s)
+                return True
+        return False
+
+    def _fail(self, target: Pose, name: str, move: tuple[Pose, Pose] | None, crossed: Crossed) -> None:
         """Disallow a transition on this ground; its class may be feasible elsewhere."""
         self.tally.limits += not crossed.infeasible
+        self.tally.no_stance += crossed.infeasible and not crossed.standing
         self.failed[self._pose, target] = crossed
-        self.log.failed(self.stance, target, primitive, move, crossed)
+        self.log.failed(self.stance, target, name, move, crossed)

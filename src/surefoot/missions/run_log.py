@@ -9,6 +9,7 @@ from typing import Any, Literal, NoReturn
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
+from surefoot.documents import FormatOne
 from surefoot.errors import InputError
 
 MAX_BYTES = 300_000_000
@@ -33,7 +34,7 @@ class Header:
     """What was run: the inputs, the seed and how the obstacles moved."""
 
     kind: Literal["biped-run"]
-    format: Literal[1]
+    format: FormatOne
     surefoot: str
     versions: dict[str, str]
     scenario: Reference

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator
 
-from surefoot.documents import FileProblems, Loc, dotted, problems_of, read_yaml
+from surefoot.documents import FileProblems, FormatOne, Loc, dotted, problems_of, read_yaml
 from surefoot.errors import InputError
 from surefoot.missions._scenario_blocks import (
     Block,
@@ -33,7 +33,7 @@ from surefoot.missions._scenario_checks import rectangle_problems, region_proble
 class Scenario(Block):
     """A biped's mission: map, grid, start, goals, obstacles, what it sees, how it walks."""
 
-    format: Annotated[Literal[1], Field(description="version of this format")]
+    format: FormatOne
     kind: Annotated[Literal["biped"], Field(description="what kind of mission this is")]
     map: Annotated[
         str,

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.compute import sha256_of, write_text_whole, written_whole
-from surefoot.documents import read_json_object
+from surefoot.documents import is_format, read_json_object
 from surefoot.errors import InputError
 from surefoot.reach.lattice import Lattice, lattice
 from surefoot.reach.parameters import Disturbance, GridSpec, GuardTube, OmegaSet, Reading, Settings, Transition
@@ -58,7 +58,7 @@ def load_region(path: Path) -> Region:
     document = read_json_object(document_path, LARGEST_JSON_BYTES)
     if document.get("kind") != KIND:
         raise InputError(f"has to be {KIND}", source=document_path, key="kind")
-    if document.get("format") != FORMAT or isinstance(document.get("format"), bool):
+    if not is_format(document.get("format"), FORMAT):
         raise InputError(f"is not known; this version reads format {FORMAT}", source=document_path, key="format")
     try:
         transition, settings = _inputs(document)

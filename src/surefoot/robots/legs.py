@@ -38,6 +38,13 @@ class Legs:
     limits_rad: Array
     source: str
 
+    @property
+    def stretch_m(self) -> Array:
+        """How far every foot gets from where the axes of its hip cross, shape (4,): with the knee bent least."""
+        longest = 2 * self.link_m * np.cos(self.limits_rad[:, 2, 1] / 2)
+        stretch: Array = np.hypot(longest, self.hip_offset_m)
+        return stretch
+
     def feet_m(self, joints_rad: Array) -> Array:
         """Return the feet in the base frame, shape (n, 4, 3), of angles of that shape."""
         abduction, pitch, knee = np.moveaxis(joints_rad, -1, 0)

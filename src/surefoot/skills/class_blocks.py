@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from surefoot.documents import FormatOne
 from surefoot.footholds.problem_blocks import Block
 
 Name = Annotated[str, Field(min_length=1, max_length=40, pattern=r"^[A-Za-z0-9][A-Za-z0-9 _-]*$")]
@@ -67,6 +68,6 @@ class SetBlock(Block):
 class RulesBlock(Block):
     """A file of terrain classes."""
 
-    format: Annotated[Literal[1], Field(description="version of this format")]
+    format: FormatOne
     kind: Literal["terrain-classes"]
     sets: Annotated[dict[Name, SetBlock], Field(min_length=1, max_length=20)]

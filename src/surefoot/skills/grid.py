@@ -194,39 +194,6 @@ def requests_of(state: TerrainState) -> tuple[Cell, ...]:
     return tuple(cell for cell in cells if state.label(cell) != OBSTACLE)
 
 
-def check_request(state: TerrainState, cell: Cell) -> None:
-    """Refuse a request that no strategy can be asked for.
-
-    Raises:
-        InputError: it lies outside of the grid, or is an obstacle.
-    """
-    if not (0 <= cell[0] < state.rows and 0 <= cell[1] < state.columns):
-        raise InputError(
-            f"the request ({cell[0]}, {cell[1]}) lies outside of the grid; allowed are rows 0 to {state.rows - 1} "
-            f"and columns 0 to {state.columns - 1}"
-        )
-    if state.label(cell) == OBSTACLE:
-        raise InputError(f"the request ({cell[0]}, {cell[1]}) is an obstacle; ask for a cell of a class")
-
-
-def terrain_state(labels: Sequence[Sequence[str]], classes: ClassSet) -> TerrainState:
-    """Return a terrain state from labels that somebody wrote.
-
-    Raises:
-        InputError: rows differ in length or are even in number, a label is no class, or the middle is an obstacle.
-    """
-    columns = {len(row) for row in labels}
-    if len(columns) != 1 or len(labels) % 2 == 0 or columns.pop() % 2 == 0:
-        raise InputError("a terrain state needs an odd number of rows of one odd length, such as 3 x 3")
-    for row in labels:
-        for label in row:
-            classes.check_label(label)
-    state = TerrainState(tuple(tuple(row) for row in labels))
-    if state.label(state.centre) == OBSTACLE:
-        raise InputError("the robot's own cell, the middle one, is an obstacle; it has to stand on ground of a class")
-    return state
-
-
 def terrain_set(terrain: QuadrupedTerrain, *, headings: Sequence[int] | None = None) -> TerrainSet:
     """Return the terrain states that a grid meets which is slid over the map in steps of one cell.
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from surefoot.compute import sha256_of, write_text_whole
+from surefoot.documents import is_format
 from surefoot.errors import InputError
 from surefoot.skills.values import CheckResult, Physics, PhysicsCheck, Primitive
 
@@ -218,7 +219,7 @@ def _parsed(line: bytes, path: Path, number: int) -> Any:
 
 
 def _check_header(found: Any, expected: Mapping[str, Any], path: Path) -> None:
-    if not isinstance(found, dict) or (found.get("kind"), found.get("format")) != (KIND, FORMAT):
+    if not isinstance(found, dict) or found.get("kind") != KIND or not is_format(found.get("format"), FORMAT):
         raise InputError(f"is no journal of kind {KIND}, format {FORMAT}", source=path, line=1)
     difference = differing(found.get("made_with"), expected["made_with"])
     if difference:

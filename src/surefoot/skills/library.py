@@ -14,7 +14,7 @@ from typing import Any
 
 from surefoot import __version__
 from surefoot.compute import write_text_whole
-from surefoot.documents import read_json_object
+from surefoot.documents import is_format, read_json_object
 from surefoot.errors import InputError
 from surefoot.skills.headings import Turning, read_turning, read_way, turning_object
 from surefoot.skills.journal import CHECKS, PlanFile, check_object, differing, read_check
@@ -176,7 +176,7 @@ def read_library(folder: Path, *, made_with: Mapping[str, Any] | None = None) ->
     if not path.is_file():
         raise InputError(f"is no library of skills: it holds no {LIBRARY}", source=folder)
     value = read_json_object(path, LARGEST_BYTES)
-    if (value.get("kind"), value.get("format")) != (KIND, FORMAT):
+    if value.get("kind") != KIND or not is_format(value.get("format"), FORMAT):
         raise InputError(f"is no library of kind {KIND}, format {FORMAT}", source=path)
     difference = None if made_with is None else differing(value.get("made_with"), made_with)
     if difference:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from surefoot.documents import read_json_object
+from surefoot.documents import is_format, read_json_object
 from surefoot.errors import InputError
 from surefoot.footholds.terrain import Polygon, PolygonError, polygon
 
@@ -39,7 +39,7 @@ def read_segmented(path: Path) -> Scan:
         InputError: it cannot be read, is no such file, or a polygon is none.
     """
     document = read_json_object(path, _LARGEST_BYTES, hint="give what `surefoot terrain segment` wrote")
-    if document.get("kind") != "terrain" or document.get("format") != 1:
+    if document.get("kind") != "terrain" or not is_format(document.get("format")):
         raise InputError("is no terrain of `surefoot terrain segment`, format 1", source=path, key="kind")
     given = document.get("polygons")
     if not isinstance(given, list) or not given:

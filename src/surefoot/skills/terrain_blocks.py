@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from surefoot.documents import FormatOne
 from surefoot.footholds.problem_blocks import Block, Metres, PolygonBlock
 
 Side = Annotated[int, Field(ge=3, le=9)]
@@ -24,7 +25,7 @@ class LaidBlock(Block):
 class TerrainBlock(Block):
     """The terrain of a quadruped."""
 
-    format: Annotated[Literal[1], Field(description="version of this format")]
+    format: FormatOne
     kind: Literal["quadruped-terrain"]
     name: Annotated[str, Field(min_length=1, max_length=100)] = "terrain"
     robot: Annotated[str | None, Field(max_length=100, description="go2 or chotu; default: that of the classes")] = None

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+import shapely  # type: ignore[import-untyped]
+
 from surefoot.verify.cell_measures import NEAR_M, Box, Plate, measures, without
 from surefoot.verify.class_rules import OBSTACLE
 from surefoot.verify.quadruped_map import Array, Cell, MapFile
@@ -12,6 +15,7 @@ from surefoot.verify.values import Rectangle
 Seen = tuple[tuple[frozenset[str], ...], ...]
 _BLOCKED = frozenset((OBSTACLE,))
 _SIDE_M = 1e-9
+_LEVEL_M, _SOME_M2 = 0.059, 1e-3
 
 
 def on_map(cell: Cell, offset: Cell, quarter_turns: int) -> Cell:
@@ -80,13 +84,48 @@ class CellClasses:
     def labels(self, cell: Cell, quarter_turns: int) -> Seen:
         """Return the classes that each cell of the local grid about a cell may have, as seen with a heading."""
         rows, columns = self.grid
-        _, support_m = self._measured(cell)
+        support_m = self.height_m(cell)
 
         def seen(row: int, column: int) -> frozenset[str]:
             there = on_map(cell, (row - rows // 2, column - columns // 2), quarter_turns)
             return self._label(there, quarter_turns, support_m)
 
         return tuple(tuple(seen(row, column) for column in range(columns)) for row in range(rows))
+
+    def own(self, cell: Cell, quarter_turns: int) -> frozenset[str]:
+        """Return the classes that the cell may have in which a robot with a heading is."""
+        return self._label(cell, quarter_turns, self.height_m(cell))
+
+    def stands_in(self, cell: Cell, quarter_turns: int) -> bool:
+        """Return whether a robot may stand in a cell, as far as classes say."""
+        return self.own(cell, quarter_turns) != _BLOCKED
+
+    def height_m(self, cell: Cell) -> float:
+        """Return the mean height of the ground in a cell (NaN without any)."""
+        return self._measured(cell)[1]
+
+    def edge_m(self, here: Cell, there: Cell) -> float:
+        """Return by how much the ground rises or falls between two cells beyond what their mean slopes account for."""
+        (here_x, here_y), (there_x, there_y) = (np.mean(self.box(cell), axis=1) for cell in (here, there))
+        slope = (self._slope(here) + self._slope(there)) / 2
+        rise_m = self.height_m(there) - self.height_m(here)
+        return abs(rise_m - float(slope @ (there_x - here_x, there_y - here_y)))
+
+    def _slope(self, cell: Cell) -> Array:
+        """Return the mean slope of the ground in a cell, by area."""
+        (west, east), (south, north) = self.box(cell)
+        square = shapely.box(west, south, east, north)
+        areas = np.array([one.outline.intersection(square).area for one in self.plates])
+        slopes = np.array([one.plane[:2] for one in self.plates])
+        mean: Array = areas @ slopes / max(float(areas.sum()), 1e-12)
+        return mean
+
+    def has_level(self, cells: tuple[Cell, Cell], height_m: float) -> bool:
+        """Return whether ground in one of two cells is surely at a height."""
+        squares = shapely.union_all([shapely.box(*np.array(self.box(cell)).T.ravel()) for cell in cells])
+        found = zip(self.corners, self.plates, strict=True)
+        near = [plate for corners, plate in found if abs(float(corners[:, 2].mean()) - height_m) < _LEVEL_M]
+        return any(plate.outline.intersection(squares).area > _SOME_M2 for plate in near)
 
     def _label(self, cell: Cell, quarter_turns: int, support_m: float) -> frozenset[str]:
         rules = self.ground.rules

@@ -11,6 +11,7 @@ import numpy as np
 from surefoot.errors import InputError
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds_bound import gait_bound
+from surefoot.verify.footholds_fall import falls
 from surefoot.verify.footholds_file import BROKEN, FootholdFile, read_foothold_plan
 from surefoot.verify.footholds_free import cells_problem, refutation_problem
 from surefoot.verify.footholds_problem import differing_keys
@@ -159,6 +160,9 @@ def _proved(plan: FootholdFile) -> tuple[float, str]:
 def _check_refutation(plan: FootholdFile, ledger: Ledger) -> None:
     if left_to_steps(plan) is None:
         ledger.counts.update(refuted_by="intervals")
+        return
+    if falls(plan):
+        ledger.counts.update(refuted_by="a base that falls")
         return
     bound, problem = _proved(plan)
     limit = impossible(plan)

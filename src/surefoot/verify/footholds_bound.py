@@ -1,9 +1,9 @@
 """Derives the bound over all gaits from the multipliers of a plan file (docs/formats.md 6).
 
 Any multipliers are sound. With them the base is one linear system, and each foot by itself takes its cheapest pattern:
-a shortest path over cells and nodes of grids on the polygons (``footholds_steps``). A file may hold two sets: what the
-first one proves keeps the base of all plans that cost less than some worth within a tube, and the second one needs to
-hold for a base in this tube only.
+a shortest path over cells and nodes of grids on the polygons (``footholds_steps``). A file may hold a tree: what the
+first multipliers prove keeps the base of all plans that cost less than some worth within a tube, cuts part the paths of
+the base, and every part has multipliers that need to hold for a base in this part of the tube only.
 """
 
 from __future__ import annotations
@@ -12,33 +12,50 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.verify.footholds_cone import leans, pressed_into
 from surefoot.verify.footholds_file import Array, FootholdFile
 from surefoot.verify.footholds_grid import Grid, grid_of
 from surefoot.verify.footholds_rows import nominal, references, surfaces
 from surefoot.verify.footholds_steps import Steps, cheapest
+from surefoot.verify.footholds_tube import Span, ends_of, leaves_of, tube_of
 
-_SPACINGS_M = (0.08, 0.055, 0.04)
+_SPACINGS_M = ((0.08, 0.08), (0.055, 0.055), (0.025, 0.055), (0.0125, 0.055), (0.0125, 0.04))
 _MOST_WORK = 8e8
-_ENOUGH, _FAR = 1e-7, 0.05
+_ENOUGH, _FAR = 1e-7, 0.5
 _FEET = np.arange(5)
 
 
 def gait_bound(plan: FootholdFile, kept: Any, claimed: float) -> float:
     """Return what the multipliers prove, with grids as fine as the claim needs and time allows."""
-    prices = _Prices(plan, kept)
-    tube = kept.get("tube")
-    first, worth = (None, np.inf) if tube is None else (_Prices(plan, tube), float(tube["worth"]))
-    turned = prices.turning(kept.get("turning", []))
+    first = _Prices(plan, kept["first"])
+    turned = first.turning(kept.get("turning", []))
+    span = ends_of(first.known())
+    if kept["tree"] is None:
+        return turned + _proved(first, span, claimed - turned)
+    worth, leaves = float(kept["worth"]), leaves_of(kept["tree"], first.size)
+    slack = worth - _proved(first, span, np.inf, _SPACINGS_M[:2])
+    found = worth
+    for cuts, prices in leaves:
+        part = tube_of(first.base()[1], first.base()[2], slack, cuts)
+        if part is not None:
+            found = min(found, _proved(_Prices(plan, prices, cuts), part, claimed - turned))
+        if turned + found < claimed * (1 - _ENOUGH):
+            break
+    return turned + found
+
+
+def _proved(
+    prices: _Prices, span: Span, claimed: float, spacings_m: tuple[tuple[float, float], ...] = _SPACINGS_M
+) -> float:
+    """Return what multipliers prove while the base stays between two paths, on finer grids until that is enough."""
     found = -np.inf
-    for spacing_m in _SPACINGS_M:
+    for spacing_m in spacings_m:
         grids = [grid_of(prices.ground, prices.feet[:, j], prices.start[j], spacing_m) for j in range(4)]
         work = sum(len(grid.points) ** 2 for grid in grids) * prices.cells**2 / 2
         if work > _MOST_WORK and np.isfinite(found):
             break
-        ends = prices.ends()
-        span = ends if first is None else first.tube(worth - first.proved(grids, ends))
-        found = max(found, turned + min(prices.proved(grids, span), worth))
-        if claimed <= found + _ENOUGH * abs(found) or claimed > found + _FAR * abs(found):
+        found = max(found, prices.proved(grids, span))
+        if claimed <= found or claimed > found + _FAR * abs(found):
             break
     return float(found)
 
@@ -47,10 +64,10 @@ class _Prices:
     """Multipliers.
 
     On Eq. (16), shape (N, 4, 3) in the axes of the base; y on the force, shape (N, 3); on contact by cell, shape (M,);
-    and the share of the base's acceleration that is paid with the force.
+    the share of the base's acceleration that is paid with the force; and on the bounds that cuts set the base.
     """
 
-    def __init__(self, plan: FootholdFile, kept: dict[str, Any]) -> None:
+    def __init__(self, plan: FootholdFile, kept: dict[str, Any], cuts: Span | None = None) -> None:
         values = plan.values
         self.plan, self.weights = plan, {name: float(w) for name, w in values["weights"].items()}
         self.size, self.step_s = len(plan.contacts), plan.number("step_s")
@@ -72,8 +89,16 @@ class _Prices:
         if not 0 <= self.split < 1:
             raise ValueError("split")
         self.world = np.einsum("iab,ijb->ija", self.turns, self.reach)
+        self.leans = leans(self.ground)
+        self.walls, self.beyond = np.zeros((self.size, 3)), 0.0
+        for i, a, m in kept.get("walls", []):
+            bound = np.nan if cuts is None else float(cuts[int(m > 0)][int(i), int(a)])
+            if not np.isfinite(bound * m):
+                raise ValueError("walls")
+            self.walls[int(i), int(a)] += m
+            self.beyond += m * bound
 
-    def proved(self, grids: list[Grid], span: tuple[Array, Array]) -> float:
+    def proved(self, grids: list[Grid], span: Span) -> float:
         """Return what the multipliers prove while the base stays between two paths."""
         rest = self.base()[0] + self.shared() - self.ties()
         return rest + sum(self.foot(j, grid, span) for j, grid in enumerate(grids))
@@ -83,21 +108,6 @@ class _Prices:
         span = np.array(self.plan.values["robot"]["foot_reach_m"], dtype=float)
         return float((self.reach * nominal(self.plan)).sum() + (np.abs(self.reach) * span).sum())
 
-    def ends(self) -> tuple[Array, Array]:
-        """Return between which paths every base stays: it is known at sample 0 and at the last two."""
-        low, high = np.full((self.size, 3), -np.inf), np.full((self.size, 3), np.inf)
-        known = self._known()
-        for at in (0, -2, -1):
-            low[at] = high[at] = known[at]
-        return low, high
-
-    def tube(self, slack: float) -> tuple[Array, Array]:
-        """Return between which paths the base of every plan stays that costs at most so much more than is proved."""
-        path, square = self.base()[1:]
-        inner, away = slice(1, -2), np.zeros((self.size, 1))
-        away[inner, 0] = np.sqrt(2 * max(slack, 0.0) * np.diag(np.linalg.inv(square[inner, inner])))
-        return path - away, path + away
-
     def base(self) -> tuple[float, Array, Array]:
         """Return the least that the base can cost, its force being rewarded by 2 y; its path; second derivatives."""
         w, mass = self.weights, float(self.plan.values["robot"]["mass_kg"])
@@ -105,16 +115,17 @@ class _Prices:
         second = _second(self.size, self.step_s)
         square = 2 * w["position"] * np.eye(self.size) + 2 * alone * second.T @ second
         linear = 2 * mass * second.T @ self.pull - 2 * w["position"] * self.reference - self.world.sum(axis=1)
-        value, path = _least(square, linear, self._known())
+        value, path = _least(square, linear + self.walls, self.known())
         value += w["position"] * float((self.reference**2).sum()) + 2 * mass * float((self.pull @ up).sum())
         value += self.size * w["acceleration"] * self.split * float(up @ up)
-        return value - mass**2 * float((self.pull[0] ** 2).sum()) / alone, path, square
+        return value - self.beyond - mass**2 * float((self.pull[0] ** 2).sum()) / alone, path, square
 
     def shared(self) -> float:
         """Return the least of what feet in contact are paid less what they save, whatever their number."""
         w, mass = self.weights, float(self.plan.values["robot"]["mass_kg"])
         share = w["acceleration"] * self.split
-        squares = ((self.pull + share * self._up() / mass) ** 2).sum(axis=1).reshape(self.cells, self.per).sum(axis=1)
+        drawn = pressed_into(self.pull + share * self._up() / mass, self.leans)
+        squares = drawn.reshape(self.cells, self.per).sum(axis=1)
         dear = w["force"] / _FEET[1:] + share / mass**2
         saved = np.concatenate([np.zeros((self.cells, 1)), squares[:, None] / dear], axis=1)
         return float((self.contact[:, None] * _FEET - saved).min(axis=1).sum())
@@ -122,7 +133,7 @@ class _Prices:
     def _up(self) -> Array:
         return np.array([0.0, 0.0, self.plan.number("gravity_mps2")])
 
-    def _known(self) -> Array:
+    def known(self) -> Array:
         """Return where the base is at its ends, and zeros elsewhere."""
         path = np.zeros((self.size, 3))
         path[0] = np.array(self.plan.values["start"]["position_m"], dtype=float)
@@ -147,7 +158,7 @@ class _Prices:
         value = _least(2 * w * np.eye(self.size) + 2 * wa * second.T @ second, linear, ends)[0]
         return value + w * float((angles**2).sum()) - limit * float(np.abs(pressed).sum())
 
-    def foot(self, foot: int, grid: Grid, span: tuple[Array, Array]) -> float:
+    def foot(self, foot: int, grid: Grid, span: Span) -> float:
         """Return the least that a foot can cost by itself, with stances within reach of a base between two paths."""
         weights = self.weights
         arm = self.turns @ nominal(self.plan)[foot]

@@ -16,6 +16,7 @@ from surefoot.verify.footholds_rows import Surface
 
 _GRADE = 0.3
 _EPS_M = 1e-6
+_AHEAD = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,8 +36,8 @@ class Grid:
     high: Array
 
 
-def grid_of(ground: list[Surface], path: Array, start: Array, spacing_m: float) -> Grid:
-    """Return nodes for a foot: this far apart along its expected path, and wider where that is far away."""
+def grid_of(ground: list[Surface], path: Array, start: Array, spacing_m: tuple[float, float]) -> Grid:
+    """Return nodes for a foot, so far apart along and across its expected path, and wider where that is far away."""
     parts = [_nodes(one, path, spacing_m) for one in ground]
     return Grid(
         np.concatenate([*(part[0] for part in parts), start[None]]),
@@ -46,14 +47,15 @@ def grid_of(ground: list[Surface], path: Array, start: Array, spacing_m: float) 
     )
 
 
-def _nodes(one: Surface, path: Array, spacing_m: float) -> tuple[Array, Array, Array, Array]:
+def _nodes(one: Surface, path: Array, spacing_m: tuple[float, float]) -> tuple[Array, Array, Array, Array]:
     """Return the corners of all grid cells that touch a polygon, and how far and how wide their cells spread."""
     edges = np.roll(one.corners, -1, axis=0) - one.corners
     along = edges[int((edges**2).sum(axis=1).argmax())]
     frame = np.stack([along / np.linalg.norm(along), np.cross(one.normal, along / np.linalg.norm(along))])
     origin = one.corners[0]
     corners, way = (one.corners - origin) @ frame.T, (path - origin) @ frame.T
-    lines = [_lines(corners[:, k], way[:, k], spacing_m) for k in (0, 1)]
+    ahead = np.abs(way[-1] - way[0])
+    lines = [_lines(corners[:, k], way[:, k], spacing_m[int(ahead[k] < _AHEAD * ahead.max())]) for k in (0, 1)]
     touched = _touched(corners, lines)
     sides = [np.diff(line) for line in lines]
     variance = (sides[0][:, None] ** 2 + sides[1] ** 2) / 4

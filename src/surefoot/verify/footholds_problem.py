@@ -17,7 +17,7 @@ _PLAIN = {"step_s": 0.025, "gravity_mps2": 9.81}
 _LEVEL = [0.0, 0.0, 0.0]
 _OPTIONS: dict[str, Any] = {
     "clearance_m": 0.05, "collision": False, "collision_windows": 30, "moment_balance": False, "tilt_max_rad": 0.35,
-    "com_support_m": None, "pitch_keyframe": False, "cell_s": 0.1, "min_dwell_cells": 1,
+    "com_support_m": None, "joint_reach": False, "pitch_keyframe": False, "cell_s": 0.1, "min_dwell_cells": 1,
 }  # fmt: skip
 _WEIGHTS = {
     "position": 1000.0, "orientation": 1000.0, "foot": 1000.0, "acceleration": 10.0, "angular_acceleration": 10.0,
@@ -53,7 +53,8 @@ def differing_keys(path: Path, values: dict[str, Any], free: dict[str, Any] | No
     expected["goal"] = _filled(given["goal"], {"rpy_rad": _LEVEL})
     start = _filled(given["start"], {"rpy_rad": _LEVEL})
     expected["start"] = {"feet_m": _nominal_feet(start, expected["robot"]), **start}
-    wrong = [key for key, value in expected.items() if not _agrees(value, values[key])]
+    used = {**values, "options": {"joint_reach": False, **values["options"]}}
+    wrong = [key for key, value in expected.items() if not _agrees(value, used[key])]
     if not _same_gait(given, values, free, path.parent):
         wrong.append("gait")
     return wrong + (["polygons"] if not _same_polygons(given["polygons"], values["polygons"]) else [])
@@ -95,15 +96,21 @@ def _same_gait(given: dict[str, Any], values: dict[str, Any], free: dict[str, An
 def _gait(asked: Any, folder: Path) -> tuple[list[str], list[float]]:
     if isinstance(asked, dict):
         return asked["modes"], asked["switching_times_s"]
-    if asked in _OTHER_GAITS:
-        return _OTHER_GAITS[asked]
-    trot = re.fullmatch(r"trot-([123])s(-mirrored)?", asked)
-    if trot is not None:
-        cycles, (offsets, modes) = int(trot[1]), _CYCLE
-        turned = modes[2:] + modes[:2] if trot[2] else modes
-        return list(turned) * cycles, [k + part for k in range(cycles) for part in offsets] + [float(cycles)]
+    known = named_gait(asked)
+    if known is not None:
+        return known
     text = re.sub(r"[;#][^\n]*", "", (folder / asked).read_text(encoding="utf-8", errors="replace"))
     return _listed(text, "modeSequence"), [float(time) for time in _listed(text, "switchingTimes")]
+
+
+def named_gait(name: str) -> tuple[list[str], list[float]] | None:
+    """Return modes and switching times of a gait with a name; None where no gait is called so."""
+    trot = re.fullmatch(r"trot-([123])s(-mirrored)?", name)
+    if trot is None:
+        return _OTHER_GAITS.get(name)
+    cycles, (offsets, modes) = int(trot[1]), _CYCLE
+    turned = modes[2:] + modes[:2] if trot[2] else modes
+    return list(turned) * cycles, [k + part for k in range(cycles) for part in offsets] + [float(cycles)]
 
 
 def _listed(text: str, name: str) -> list[str]:

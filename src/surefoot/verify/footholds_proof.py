@@ -13,6 +13,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from surefoot.verify.footholds_file import Array, FootholdFile
+from surefoot.verify.footholds_legs import half_space
 from surefoot.verify.footholds_rows import (
     Surface,
     jacobians,
@@ -250,6 +251,11 @@ class _Weigher:
             axis = g.turns[i][:, a]
             index = np.concatenate([g.feet[i, j], g.base[i]])
             self.press(index, np.concatenate([axis, -axis]), m, middle[j, a] + span[a], middle[j, a] - span[a])
+        for i, j, k, _, m in kept.get("leg", []) if options.get("joint_reach") else []:
+            normal, bound = half_space(plan, middle, int(j), int(k))
+            index = np.concatenate([g.feet[int(i), int(j)], g.base[int(i)]])
+            turned = g.turns[int(i)] @ normal
+            self.press(index, np.concatenate([turned, -turned]), m, bound, -np.inf)
         for i, number, side, _, m in kept.get("clearance", []):
             step = plan.steps[int(number)]
             quarter = (step.touch - step.lift) // 4

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.verify.footholds_file import Array, FootholdFile
+from surefoot.verify.footholds_legs import legs_in
 
 PLANE_TOLERANCE_M = 1e-6
 
@@ -191,6 +192,8 @@ def _limits(plan: FootholdFile) -> dict[str, float]:
         "base torque": float((spin - float(robot["base_torque_max_nm"])).max()),
         "reach": float((np.abs(local - nominal(plan)) - np.array(robot["foot_reach_m"])).max()),
     }
+    if options.get("joint_reach"):
+        found["leg"] = float(legs_in(plan).joints_rad(local)[1].max())
     if options["moment_balance"]:
         found["tilt"] = float((np.abs(a["rpy_rad"] - references(plan)[1]) - float(options["tilt_max_rad"])).max())
     height = float(options["clearance_m"])

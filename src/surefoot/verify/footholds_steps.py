@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from surefoot.verify.footholds_file import Array
 from surefoot.verify.footholds_grid import Grid
+
+Index = NDArray[np.int64]
 
 _MOST_LEVELS = 5
 _LEVEL_M = 0.005
@@ -60,10 +64,12 @@ def cheapest(steps: Steps, grid: Grid) -> float:
             if since == 0 or to == cells or to - since >= steps.dwell:
                 cost = np.where(within[since:to].all(axis=0), landed[since] + standing(since, to), np.inf)
                 np.minimum(lifted[to], cost, out=lifted[to])
-        if to < cells:
-            for lift in range(1, to - steps.dwell + 1):
-                cost = _swing(steps, grid, lift, to, level, levels_m)
-                landed[to, :-1] = np.minimum(landed[to, :-1], (lifted[lift][:, None] + cost).min(axis=0)[:-1])
+        there = np.flatnonzero(within[to, :-1]) if to < cells else np.zeros(0, dtype=np.int64)
+        for lift in range(1, to - steps.dwell + 1) if len(there) else ():
+            here = np.flatnonzero(np.isfinite(lifted[lift]))
+            if len(here):
+                cost = _landed(steps, grid, (lift, to), (here, there), lifted[lift, here], level, levels_m)
+                landed[to, there] = np.minimum(landed[to, there], cost)
     return float(lifted[cells].min())
 
 
@@ -91,7 +97,7 @@ def _sums(values: Array) -> Array:
     return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
 
 
-def _levels(heights_m: Array) -> tuple[Array, Array]:
+def _levels(heights_m: Array) -> tuple[Index, Array]:
     """Return the number of the level of every node, and the heights of a few levels."""
     levels = np.unique(np.round(heights_m / _LEVEL_M) * _LEVEL_M)
     while len(levels) > _MOST_LEVELS:
@@ -100,37 +106,55 @@ def _levels(heights_m: Array) -> tuple[Array, Array]:
     return np.abs(heights_m[:, None] - levels).argmin(axis=1), levels
 
 
-def _swing(steps: Steps, grid: Grid, lift: int, to: int, level: Array, levels_m: Array) -> Array:
-    """Return what swings between two cells cost, from every node to every node."""
-    count = (to - lift) * steps.per
+def _landed(
+    steps: Steps,
+    grid: Grid,
+    cells: tuple[int, int],
+    nodes: tuple[Index, Index],
+    lifted: Array,
+    level: Index,
+    levels_m: Array,
+) -> Array:
+    """Return the least that it costs to land on some nodes after a swing between two cells from some nodes."""
+    (lift, to), (here, there) = cells, nodes
     samples = np.arange(lift * steps.per, to * steps.per)
-    square = _quadratic(count, steps)
-    inverse = np.asarray(np.linalg.inv(square[2:, 2:]), dtype=np.float64)
-    gain = square[:2, 2:] @ inverse
-    ends = square[:2, :2] - gain @ square[2:, :2]
+    inverse, gain, ends = _eliminated(len(samples), steps.track, steps.accelerate, steps.step_s)
     linear = steps.linear[samples]
     slope = -gain @ linear[:-1]
     slope[1] += linear[-1]
     fixed = float(steps.constant[samples].sum()) - 0.5 * float((linear[:-1, :2] * (inverse @ linear[:-1, :2])).sum())
-    points, spread = grid.points, grid.spread
-    before = 0.5 * ends[0, 0] * ((points**2).sum(axis=1) - spread) + points[:, :2] @ slope[0, :2]
-    after = 0.5 * ends[1, 1] * ((points**2).sum(axis=1) - spread) + points[:, :2] @ slope[1, :2]
-    cost = ends[0, 1] * points @ points.T + before[:, None] + after + fixed
-    high = np.array([[_high(steps, inverse, gain, linear[:, 2], p, q) for q in levels_m] for p in levels_m])
-    first, last, rest = np.moveaxis(high, 2, 0)
-    z, pair = points[:, 2], np.ix_(level, level)
-    return np.asarray(cost + first[pair] * z[:, None] + last[pair] * z + rest[pair])
+    p, q = grid.points[here], grid.points[there]
+    before = lifted + 0.5 * ends[0, 0] * ((p**2).sum(axis=1) - grid.spread[here]) + p[:, :2] @ slope[0, :2] + fixed
+    after = 0.5 * ends[1, 1] * ((q**2).sum(axis=1) - grid.spread[there]) + q[:, :2] @ slope[1, :2]
+    found = np.full(len(there), np.inf)
+    for a in np.unique(level[here]):
+        left = level[here] == a
+        for b in np.unique(level[there]):
+            right = level[there] == b
+            first, last, rest = _high(steps, inverse, gain, linear[:, 2], levels_m[a], levels_m[b])
+            costs = ends[0, 1] * p[left] @ q[right].T + (before[left] + first * p[left, 2] + rest)[:, None]
+            found[right] = np.minimum(found[right], costs.min(axis=0) + after[right] + last * q[right, 2])
+    return found
 
 
-def _quadratic(count: int, steps: Steps) -> Array:
+@lru_cache(maxsize=256)
+def _eliminated(count: int, track: float, accelerate: float, step_s: float) -> tuple[Array, Array, Array]:
+    """Return a swing's inverse between its ends, how the ends pull there, and the second derivatives at the ends."""
+    square = _quadratic(count, track, accelerate, step_s)
+    inverse = np.asarray(np.linalg.inv(square[2:, 2:]), dtype=np.float64)
+    gain = square[:2, 2:] @ inverse
+    return inverse, gain, square[:2, :2] - gain @ square[2:, :2]
+
+
+def _quadratic(count: int, track: float, accelerate: float, step_s: float) -> Array:
     """Return the second derivatives of a swing's cost: by foothold before, foothold after, and samples between."""
     places = [0, 0, *range(2, count + 1), 1, 1]
     second = np.zeros((count + 1, count + 1))
     for row in range(count + 1):
         for factor, place in zip((1.0, -2.0, 1.0), places[row : row + 3], strict=True):
             second[row, place] += factor
-    square = 2 * steps.accelerate / steps.step_s**4 * second.T @ second
-    tracked = np.diag([0.0] + [2 * steps.track] * count)
+    square = 2 * accelerate / step_s**4 * second.T @ second
+    tracked = np.diag([0.0] + [2 * track] * count)
     return np.asarray(square + tracked)
 
 

@@ -7,6 +7,7 @@ it can have to the set of steps in which it has it. Nothing here is shared with 
 from __future__ import annotations
 
 import operator
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
@@ -38,11 +39,11 @@ from surefoot.verify._gr1_kernels import FALSE, FULL, LEAF, TRUE, and_exists, lo
 
 MOST_NODES = 48_000_000
 MOST_PAIRS = 400_000
-"""How many pairs of values of two integer expressions are compared."""
+"""How many pairs of values are added where a sum is added to a sum."""
+MOST_VALUES = 400_000
+"""How many values a sum has."""
 _FIRST_NODES = 1 << 18
 _COMPARE: dict[str, Callable[[int, int], bool]] = {
-    "=": operator.eq,
-    "!=": operator.ne,
     "<": operator.lt,
     "<=": operator.le,
     ">": operator.gt,
@@ -199,7 +200,7 @@ class Translator:
             elif isinstance(node, Comparison):
                 truth[id(node)] = self._compared(node, whole)
             elif isinstance(node, Sum):
-                whole[id(node)] = self._sum([whole[id(child)] for child in children(node)])
+                whole[id(node)] = self._sum(children(node), whole)
             else:
                 truth[id(node)] = self._combined(node, truth)
         return truth[id(expression)]
@@ -231,31 +232,65 @@ class Translator:
             }
         return self._known[name, primed]
 
-    def _sum(self, terms: list[dict[int, int]]) -> dict[int, int]:
-        total = {0: TRUE}
+    def _sum(self, terms: Sequence[Node], whole: dict[int, dict[int, int]]) -> dict[int, int]:
+        """Return for every value of a sum where it has it; integers are added bit by bit, whatever their ranges."""
+        total, ranges = {0: TRUE}, []
         for term in terms:
-            self._check_pairs(total, term)
+            if isinstance(term, Integer):
+                ranges.append(self._sets.unite(whole[id(term)].values()))
+                total = self._plus_bits(total, term)
+            else:
+                total = self._plus_values(total, whole[id(term)])
+        allowed = self._sets.conjoin(ranges)
+        found = {value: self._sets.conjoin((where, allowed)) for value, where in total.items()}
+        return {value: where for value, where in found.items() if where != FALSE}
+
+    def _plus_bits(self, total: dict[int, int], term: Integer) -> dict[int, int]:
+        least = self._variables[term.name].values[0]
+        total = {value + least: where for value, where in total.items()}
+        for k, place in enumerate(self._bits[term.name]):
+            bit = self._bit(place, term.primed)
             parts: dict[int, list[int]] = {}
-            for a, where_a in total.items():
-                for b, where_b in term.items():
-                    parts.setdefault(a + b, []).append(self._sets.conjoin((where_a, where_b)))
-            total = {value: self._sets.unite(where) for value, where in parts.items()}
+            for value, where in total.items():
+                parts.setdefault(value, []).append(self._sets.conjoin((where, bit ^ 1)))
+                parts.setdefault(value + (1 << k), []).append(self._sets.conjoin((where, bit)))
+            total = self._united(parts)
         return total
 
+    def _plus_values(self, total: dict[int, int], term: dict[int, int]) -> dict[int, int]:
+        if len(total) * len(term) > MOST_PAIRS:
+            raise LimitExceeded(f"verifying the strategy: more than {MOST_PAIRS} pairs of values in one sum of sums")
+        parts: dict[int, list[int]] = {}
+        for a, where_a in total.items():
+            for b, where_b in term.items():
+                parts.setdefault(a + b, []).append(self._sets.conjoin((where_a, where_b)))
+        return self._united(parts)
+
+    def _united(self, parts: dict[int, list[int]]) -> dict[int, int]:
+        if len(parts) > MOST_VALUES:
+            raise LimitExceeded(f"verifying the strategy: more than {MOST_VALUES} values of one sum")
+        return {value: self._sets.unite(where) for value, where in parts.items()}
+
     def _compared(self, node: Comparison, whole: dict[int, dict[int, int]]) -> int:
+        """Return where two integers compare; values are taken in order, so that pairs of them are not."""
         left, right = (whole[id(child)] for child in children(node))
-        self._check_pairs(left, right)
+        if node.operator in ("=", "!="):
+            same = [self._sets.conjoin((where, right[value])) for value, where in left.items() if value in right]
+            both = self._sets.conjoin(self._sets.unite(values.values()) for values in (left, right))
+            equal = self._sets.unite(same)
+            return equal if node.operator == "=" else self._sets.conjoin((both, equal ^ 1))
+        values = sorted(right)
+        if node.operator in (">", ">="):
+            values.reverse()
+        beyond = [FALSE]
+        for value in reversed(values):
+            beyond.append(self._sets.unite((beyond[-1], right[value])))
         holds = _COMPARE[node.operator]
         rows = []
         for a, where_a in left.items():
-            fitting = self._sets.unite(where_b for b, where_b in right.items() if holds(a, b))
-            rows.append(self._sets.conjoin((where_a, fitting)))
+            fitting = len(values) - bisect_left(values, True, key=lambda b, a=a: holds(a, b))  # type: ignore[misc]
+            rows.append(self._sets.conjoin((where_a, beyond[fitting])))
         return self._sets.unite(rows)
-
-    @staticmethod
-    def _check_pairs(left: dict[int, int], right: dict[int, int]) -> None:
-        if len(left) * len(right) > MOST_PAIRS:
-            raise LimitExceeded(f"verifying the strategy: more than {MOST_PAIRS} pairs of values in one comparison")
 
     def _combined(self, node: Node, truth: dict[int, int]) -> int:
         if isinstance(node, Constant):

@@ -40,8 +40,23 @@ def check_laid_terrain(path: Path, ledger: Ledger) -> None:
     if not ground.given.has("laid"):
         message = "was not laid over a scan by `surefoot terrain lay`: there is nothing to check it against"
         raise InputError(message, source=path, key="laid")
+    ledger.counts["polygons"] = len(ground.patches)
+    ledger.counts["of"] = check_against_scan(ground, path.parent, ledger)
+
+
+def check_against_scan(ground: MapFile, folder: Path, ledger: Ledger) -> int:
+    """Compare a terrain that was laid over a scan with that; return how many polygons the scan has.
+
+    Args:
+        ground: the terrain.
+        folder: where its file stands.
+        ledger: takes the findings.
+
+    Raises:
+        InputError: the scan cannot be read, or has changed.
+    """
     laid = ground.given.mapping("laid")
-    source = checked_file(laid, path.parent, "scan", "sha256")
+    source = checked_file(laid, folder, "scan", "sha256")
     scan = read_map(source)
     _check_margin(ground, source, ledger)
     yaw = math.radians(laid.number("yaw_deg"))
@@ -59,8 +74,7 @@ def check_laid_terrain(path: Path, ledger: Ledger) -> None:
             ledger.refuse("laid, polygons", "is there twice", f"polygons[{number}]")
         found |= same
     _check_left_out(scan.patches, found, ground.margin_m, ledger)
-    ledger.counts["polygons"] = len(ground.patches)
-    ledger.counts["of"] = len(scan.patches)
+    return len(scan.patches)
 
 
 def _same(corners_m: Array, friction: float, other: Patch) -> bool:

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from surefoot.errors import InputError
-from surefoot.verify.artefacts import checked_file
+from surefoot.verify.artefacts import check_kind, checked_file
 from surefoot.verify.scenario import load_yaml
 from surefoot.verify.values import Fields
 
@@ -128,8 +127,7 @@ def read_pushing(header: Fields, folder: Path) -> Pushing:
 
 def _script(document: Fields) -> dict[int, tuple[float, float, float]]:
     document.only(("format", "kind", "pushes"))
-    if document.get("format") != 1 or document.get("kind") != "push-script":
-        raise InputError("has to be a push-script of format 1", source=document.source)
+    check_kind(document, "push-script")
     found: dict[int, tuple[float, float, float]] = {}
     for entry in document.mappings("pushes"):
         entry.only(("step", "instant", "sagittal_mps", "lateral_mps"))

@@ -1,26 +1,12 @@
-"""When the events of a quadruped's run are seen: each once, not before it is due, and before the next plan."""
+"""When the events of a quadruped's run are seen: each once, not before it is due, and before the next motion begins."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from surefoot.verify.values import Fields
 
 _TIME_S = 1e-6
-
-
-@dataclass(frozen=True, slots=True)
-class Planned:
-    """When the planner last looked at the world.
-
-    Attributes:
-        segment: that it then planned.
-        time_s: when it began [s of the mission].
-    """
-
-    segment: int
-    time_s: float
 
 
 class Expected:
@@ -32,32 +18,53 @@ class Expected:
 
     def __init__(self, header: Fields) -> None:
         self.waiting = list(header.mappings("events"))
-        self.seen: list[Fields] = []
+        self.seen_s: list[float] = []
+        self.withdrawn_s = 0.0
 
-    def see(self, event: Fields) -> str:
-        """Take an event over; return what is wrong, empty if nothing is."""
+    def see(self, record: Fields, segments: int, started_s: float) -> list[str]:
+        """Take an event over; return what is wrong with it.
+
+        Args:
+            record: of the event.
+            segments: how many motions were sent before.
+            started_s: when the last of them began: the planner looks from then on.
+        """
+        event, seen_s = record.mapping("event"), record.number("seen_s", least=0.0)
+        self.seen_s.append(seen_s)
         found = next((one for one in self.waiting if dict(one.values) == dict(event.values)), None)
         if found is None:
-            return "is none of those that the header names, or was seen before"
+            return ["is none of those that the header names, or was seen before"]
         self.waiting.remove(found)
-        self.seen.append(found)
+        early = not _due(found, segments, seen_s + _TIME_S) or seen_s < started_s - _TIME_S
+        return [f"{_named(found.values)} is seen before it is due"] if early else []
+
+    def withdrawn(self, record: Fields) -> str:
+        """Take over that a motion is not walked; return what is wrong, empty if nothing is."""
+        self.withdrawn_s = record.number("seen_s", least=0.0)
+        if not self.seen_s or self.withdrawn_s != self.seen_s[-1]:
+            return "comes without anything that happened at that time"
         return ""
 
-    def problems(self, planned: Planned) -> list[str]:
-        """Return what is wrong when a segment is planned: what was seen too early, and what should have been seen."""
-        early = [f"{_named(one.values)} is seen before it is due" for one in self.seen if not _due(one, planned)]
-        late = [
-            f"{_named(one.values)} is due, and was not seen" for one in self.waiting if _due(one, planned, -_TIME_S)
+    def problems(self, segment: int, plan_start_s: float, start_s: float) -> list[str]:
+        """Return what is wrong when a motion begins: what should have been seen, and when it was planned."""
+        found = [
+            f"{_named(one.values)} is due, and was not seen"
+            for one in self.waiting
+            if _due(one, segment, start_s - _TIME_S)
         ]
-        self.seen = []
-        return early + late
+        if any(seen_s > start_s + _TIME_S for seen_s in self.seen_s):
+            found.append("what happened is seen after the motion began that it comes before")
+        if plan_start_s < self.withdrawn_s - _TIME_S:
+            found.append("is planned before the motion was withdrawn that it stands for")
+        self.seen_s, self.withdrawn_s = [], 0.0
+        return found
 
 
-def _due(event: Fields, planned: Planned, early_s: float = _TIME_S) -> bool:
-    """Return whether an event has happened when the planner looks; ``early_s`` is how early it may be."""
+def _due(event: Fields, segment: int, time_s: float) -> bool:
+    """Return whether an event has happened."""
     if event.has("at_segment"):
-        return planned.segment >= event.whole("at_segment")
-    return planned.time_s >= event.number("at_s") - early_s
+        return segment >= event.whole("at_segment")
+    return time_s >= event.number("at_s")
 
 
 def _named(values: Mapping[str, object]) -> str:

@@ -11,7 +11,7 @@ from surefoot.verify.artefacts import check_kind, checked_file, parse_json, read
 from surefoot.verify.quadruped_map import MapFile, read_map
 from surefoot.verify.values import Fields
 
-RECORDS = ("header", "prepared", "request", "segment", "failed", "event", "violation", "detour", "end")
+RECORDS = ("header", "prepared", "request", "segment", "failed", "event", "withdrawn", "violation", "detour", "end")
 _MOST_RECORDS = 100_000
 
 

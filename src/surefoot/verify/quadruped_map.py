@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.documents import read_yaml
-from surefoot.verify.artefacts import parse_json, read_bytes
+from surefoot.verify.artefacts import check_kind, parse_json, read_bytes
 from surefoot.verify.class_rules import ClassRules, listed, rules_of, shipped_rules
 from surefoot.verify.values import Fields
 
@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 Cell = tuple[int, int]
 _RULES = (".yaml", ".yml", ".json")
 _SCANNED = "terrain"
+_DIRECTIONS = ("forward", "backward", "left", "right")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,6 +54,7 @@ class MapFile:
         margin_m: what was taken off the edges of the polygons.
         cell_m, grid, origin_m, cells, robot: as in the file, or as docs/formats.md 9 fills them in.
         yaw: whether the robot turns.
+        directions: which way it may walk.
         files: what was read beside the file itself.
         given: the file as it stands.
     """
@@ -66,6 +68,7 @@ class MapFile:
     cells: Cell
     robot: str
     yaw: bool
+    directions: tuple[str, ...]
     files: tuple[Path, ...]
     given: Fields
 
@@ -84,6 +87,8 @@ def read_map(path: Path, classes: str = "unstructured-8") -> MapFile:
     fields = Fields.of(value, path)
     if fields.text("kind", among=("quadruped-terrain", _SCANNED)) == _SCANNED:
         fields = Fields({"polygons": path.name, "classes": classes}, path)
+    else:
+        check_kind(fields, "quadruped-terrain")
     named = fields.text("classes")
     files = [path.parent / named] if named.endswith(_RULES) else []
     rules = next(iter(rules_of(files[0]).values())) if files else shipped_rules(named, path)
@@ -117,6 +122,7 @@ def _laid(
         cells=fields.cell("cells") if _given(fields, "cells") else (rows, columns),
         robot=fields.text("robot") if _given(fields, "robot") else rules.robot,
         yaw=_given(fields, "yaw") and fields.flag("yaw"),
+        directions=tuple(map(str, fields.items("directions"))) if _given(fields, "directions") else _DIRECTIONS,
         files=files,
         given=fields,
     )

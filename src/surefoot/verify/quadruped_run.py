@@ -24,7 +24,10 @@ from surefoot.verify.cell_classes import CellClasses
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds import check_footholds
 from surefoot.verify.footholds_file import BROKEN, FootholdFile, read_foothold_plan
-from surefoot.verify.quadruped_events import Expected, Planned
+from surefoot.verify.laid_terrain import check_against_scan
+from surefoot.verify.quadruped_claims import LEAVE, Claims
+from surefoot.verify.quadruped_ending import Ending
+from surefoot.verify.quadruped_events import Expected
 from surefoot.verify.quadruped_file import QuadrupedRun, read_quadruped_run
 from surefoot.verify.quadruped_map import Array, Cell, Patch
 from surefoot.verify.quadruped_moves import Automaton, Labels, Pose
@@ -45,6 +48,9 @@ def check_quadruped_run(folder: Path, ledger: Ledger) -> None:
         InputError: a file is missing, truncated, stale or malformed.
     """
     run = read_quadruped_run(folder)
+    ground = run.ground
+    if ground.given.has("laid"):
+        check_against_scan(ground, ground.given.source.parent, ledger)
     Replay(run, ledger).check()
 
 
@@ -67,12 +73,14 @@ class Replay:
         self.cells: Cell = header.cell("cells")
         self.automaton = Automaton(run, ledger, header.cell("grid"))
         self.classes = CellClasses(run.ground, header.cell("grid"))
+        self.claims = Claims(run, ledger, self.classes)
+        self.goal: Cell = header.mapping("goal").cell("cell")
         self.looked: tuple[Pose, Labels] | None = None
         self.gone: list[Rectangle] = []
         self.expected = Expected(header)
         self.delays_s = header.numbers("delays_s") or (0.0,)
-        self.settled: Planned | None = None
         self.ended = False
+        self.before_push = self.cell
         self.segments = self.turns = 0
         self.walked_s = self.started_s = self.idle_s = 0.0
 
@@ -84,6 +92,9 @@ class Replay:
             "segment": self._segment,
             "failed": self._failed,
             "event": self._event,
+            "withdrawn": self._withdrawn,
+            "violation": self._violation,
+            "detour": self._detour,
             "request": self._request,
             "prepared": self.automaton.certify,
         }
@@ -116,7 +127,7 @@ class Replay:
         if header.text("classes") != ground.rules.name:
             self._refuse("header", "the classes are not those of the terrain file", "run.jsonl line 1")
         goal = header.mapping("goal")
-        if self._cell_of(np.array(goal.point("place_m"))) != goal.cell("cell"):
+        if self._cell_of(np.array(goal.point("place_m"))) != self.goal:
             self._refuse("header", "the goal's cell is not where its place is", "run.jsonl line 1")
 
     def _cell_of(self, place: Array) -> Cell:
@@ -145,6 +156,8 @@ class Replay:
         labels = self.automaton.request(record, place, self.cell, self.turns)
         self.looked = (self.cell, self.turns), labels
         self._check_labels("labels", place)
+        self.claims.route(record, self.cell, self.turns, self.goal, place)
+        record.number("symbolic_ms", least=0.0)
         row, column = request = record.cell("request")
         if not (0 <= row < len(labels) and 0 <= column < len(labels[0])) or labels[row][column] == "obstacle":
             self._refuse("request", f"asks for {request}, an obstacle or outside of the grid", place)
@@ -163,6 +176,7 @@ class Replay:
 
     def _event(self, record: Fields, place: str) -> None:
         event = record.mapping("event")
+        self.automaton.given_up.clear()
         for name in ("obstacle_m", "hole_m"):
             if event.has(name):
                 low, high = (Fields({name: corner}, record.source, name, record.line).point(name)
@@ -177,12 +191,12 @@ class Replay:
             self._check_push(event, stands, place)
             if stands.cell("cell") != self.cell:
                 self.automaton.interrupted()
+            self.before_push = self.cell
             self.cell, self.base, self.feet = stands.cell("cell"), np.array(stands.numbers("base_m", 3)), _feet(stands)
             self._check_stance(place)
         if record.whole("before_segment") != self.segments:
             self._refuse("event", f"says that it comes before another segment than {self.segments}", place)
-        problem = self.expected.see(event)
-        if problem:
+        for problem in self.expected.see(record, self.segments, self.started_s):
             self._refuse("event", problem, place)
 
     def _check_push(self, event: Fields, stands: Fields, place: str) -> None:
@@ -194,38 +208,60 @@ class Replay:
         if float(np.abs(np.array(stands.numbers("base_m", 3))[:2] - pushed).max()) > _LANDED_M + _NEAR_M:
             self._refuse("event", f"takes the robot more than {_LANDED_M} m away from where it was pushed", place)
 
-    def _check_seen(self, record: Fields, place: str) -> None:
-        """Check that the planner knew the world; it looks before a step in place, not between that and the move."""
-        now = Planned(record.whole("number"), record.number("plan_start_s"))
-        for problem in self.expected.problems(self.settled or now):
-            self._refuse("event", problem, place)
-        self.settled = now if record.get("primitive") is None else None
+    def _withdrawn(self, record: Fields, place: str) -> None:
+        problem = self.expected.withdrawn(record)
+        here, _ = record.cells("cells")
+        if problem or here not in (self.cell, self.before_push):
+            self._refuse("withdrawn", problem or f"begins in {here}, but the robot is in {self.cell}", place)
+        self.automaton.withdrawn(record, place)
 
     def _failed(self, record: Fields, place: str) -> None:
-        here, _ = record.cells("cells")
-        self.settled = None
-        self.automaton.failed(record)
+        here, there = record.cells("cells")
         if here != self.cell:
             self._refuse("move", f"is tried from {here}, but the robot is in {self.cell}", place)
+        self.claims.failed(record, place)
+        if record.text("primitive").startswith(LEAVE):
+            self.claims.leaves(here, self.turns, place)
+        self.automaton.failed(record, place, here, there, self.turns)
+
+    def _violation(self, record: Fields, place: str) -> None:
+        record.text("text")
+        record.text("assumption", among=("post", "terrain", "obstacle"))
+        self._check_here(record, place)
+
+    def _detour(self, record: Fields, place: str) -> None:
+        self._check_here(record, place)
+        for pair in record.items("given_up"):
+            here, there = Fields({"given_up": pair}, record.source, record.place, record.line).cells("given_up")
+            self.automaton.given_up.add((here, there))
+
+    def _check_here(self, record: Fields, place: str) -> None:
+        if record.cell("cell") != self.cell:
+            self._refuse("cell", f"names {record.cell('cell')}, but the robot is in {self.cell}", place)
 
     def _segment(self, record: Fields, place: str) -> None:
         if record.whole("number") != self.segments:
             self._refuse("segment", f"has number {record.whole('number')}, not {self.segments}", place)
-        self._check_seen(record, place)
+        for problem in self.expected.problems(self.segments, record.number("plan_start_s"), record.number("start_s")):
+            self._refuse("event", problem, place)
         self.segments += 1
         here, there = record.cells("cells")
+        leaves = str(record.get("primitive")).startswith(LEAVE)
+        if leaves:
+            self.claims.leaves(here, self.turns, place)
         if here != self.cell:
             self._refuse("continuity", f"begins in {here}, but the robot is in {self.cell}", place)
         self.turns = self.automaton.move(record, place, here, there, self.turns)
-        if record.get("primitive") is not None and self.looked is not None:
+        if record.get("primitive") is not None and self.looked is not None and not leaves:
             self._check_labels("assumption", place)
-        for cell in (here, there):
+        for cell in (there,) if leaves else (here, there):
             if self.classes.blocked(cell):
                 self._refuse("obstacle", f"cell {cell} holds an obstacle, or is outside of the map", place)
         plan = self._plan(record, place)
         if plan is not None:
             self._check_plan(plan, there, place)
             self._check_times(record, plan, place)
+            self.claims.segment(record, plan, there, place)
             self.base, self.feet = plan.arrays["base_m"][-1], plan.arrays["feet_m"][-1]
         self.cell = there
 
@@ -321,11 +357,17 @@ class Replay:
 
     def _end(self, record: Fields, place: str) -> None:
         self.ended = True
-        reached = self.cell == self.run.header.mapping("goal").cell("cell")
+        reached = self.cell == self.goal
         if record.flag("reached") != reached:
             self._refuse("end", f"the robot is in {self.cell}, so reached is {str(reached).lower()}", place)
         if record.cell("cell") != self.cell or record.whole("segments") != self.segments:
             self._refuse("end", f"there are {self.segments} segments, and the last one ends in {self.cell}", place)
+        why_not = record.text("why_not")
+        ending = Ending(self.automaton, self.classes, self.goal, turning=self.run.ground.yaw)
+        footing = all(self._patch(foot) is not None for foot in self.feet)
+        problem = "" if reached else ending.problem(why_not, (self.cell, self.turns), self.segments, footing=footing)
+        if problem or (reached and why_not):
+            self._refuse("end", problem or "gives a reason, although the goal was reached", place)
         self.ledger.counts.update(reached=reached)
 
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.verify.artefacts import parse_json, read_bytes
 from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds import check_footholds
+from surefoot.verify.footholds_problem import named_gait
 from surefoot.verify.values import Fields
 
 WAYS = {"forward": (-1, 0), "backward": (1, 0), "left": (0, -1), "right": (0, 1)}
@@ -20,6 +24,9 @@ TURNS = {"turn-left": 1, "turn-right": -1}
 """The change of heading of a turn in place, in quarter turns counter-clockwise."""
 
 _TURN_RAD = 1e-6
+_TIME_S = 1e-9
+_COST = 1e-9
+_ANY_GAIT = re.compile(r"free-[0-9]+(\.[0-9]+)?s")
 
 
 def certificate_problem(check: Fields, way: str, cell_m: float, known: dict[str, Motion]) -> str:
@@ -43,7 +50,7 @@ def certificate_problem(check: Fields, way: str, cell_m: float, known: dict[str,
     sha256 = named.text("sha256")
     if sha256 not in known:
         known[sha256] = Motion.of(path)
-    return known[sha256].misses(way, cell_m / 2)
+    return known[sha256].misses(way, cell_m / 2) or known[sha256].contradicts(check)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,12 +62,17 @@ class Motion:
         ahead_m: how far it goes forward.
         left_m: how far it goes to the left.
         turned_rad: how far it turns, counter-clockwise.
+        modes, times_s: its gait: which feet are in contact between which times.
+        cost: its objective.
     """
 
     problem: str
     ahead_m: float = 0.0
     left_m: float = 0.0
     turned_rad: float = 0.0
+    modes: tuple[str, ...] = ()
+    times_s: tuple[float, ...] = (0.0,)
+    cost: float = 0.0
 
     @classmethod
     def of(cls, path: Path) -> Motion:
@@ -68,7 +80,8 @@ class Motion:
         own = Ledger()
         try:
             check_footholds(path, own)
-            values = Fields.of(parse_json(read_bytes(path), path), path).mapping("values")
+            fields = Fields.of(parse_json(read_bytes(path), path), path)
+            values, cost = fields.mapping("values"), fields.mapping("answer").get("objective")
             start, goal = (values.mapping(end).numbers("position_m", 3) for end in ("start", "goal"))
             before, after = (values.mapping(end).numbers("rpy_rad", 3) for end in ("start", "goal"))
         except InputError as problem:
@@ -77,11 +90,30 @@ class Motion:
             return cls(f"has a plan that is refused: {own.kept[0] if own.kept else 'it claims no motion'}")
         if max(map(abs, (*before, *after[:2]))) > _TURN_RAD:
             return cls("has a plan that does not begin level and along x, and end level")
-        return cls("", goal[0] - start[0], goal[1] - start[1], after[2])
+        gait = values.mapping("gait")
+        modes, times = tuple(map(str, gait.items("modes"))), gait.numbers("switching_times_s")
+        own_cost = float(cost) if isinstance(cost, int | float) else math.nan
+        return cls("", goal[0] - start[0], goal[1] - start[1], after[2], modes, times, own_cost)
 
     def misses(self, way: str, half_m: float) -> str:
         """Return why the plan does not certify a direction or a turn; empty if it does."""
         return self.problem or (self.not_one_turn if way in TURNS else self.not_one_cell)(way, half_m)
+
+    def contradicts(self, check: Fields) -> str:
+        """Return which of gait, horizon and cost a check does not have from its plan; empty if it has them all."""
+        name = check.text("gait")
+        known = named_gait(name)
+        if known is None and not _ANY_GAIT.fullmatch(name):
+            return f"is said to be done in {name!r}, which is no gait"
+        horizon_s = float(name[5:-1]) if known is None else known[1][-1]
+        fits = known is None or (tuple(known[0]) == self.modes and np.allclose(known[1], self.times_s, atol=_TIME_S))
+        if not fits or abs(horizon_s - self.times_s[-1]) > _TIME_S:
+            return f"is said to be done in {name}, and its plan is not"
+        if abs(check.number("horizon_s") - self.times_s[-1]) > _TIME_S:
+            return f"is said to take {check.number('horizon_s'):g} s, and its plan takes {self.times_s[-1]:g} s"
+        if not math.isclose(check.number("cost"), self.cost, rel_tol=_COST):
+            return f"is said to cost {check.number('cost'):g}, and its plan costs {self.cost:g}"
+        return ""
 
     def not_one_cell(self, way: str, half_m: float) -> str:
         """Return that the motion does not lead to the next cell in a direction; empty if it does."""

@@ -15,6 +15,7 @@ from pathlib import Path
 from surefoot.compute import sha256_of
 from surefoot.verify.artefacts import check_kind, parse_json, read_bytes
 from surefoot.verify.findings import Ledger
+from surefoot.verify.library_claims import check_claims
 from surefoot.verify.library_states import check_states
 from surefoot.verify.skill_moves import (
     FACING,
@@ -60,6 +61,7 @@ def check_library(path: Path, ledger: Ledger) -> None:
     if fields.mapping("answer").whole("terrain_states") != len(states):
         ledger.refuse("skills, counts", f"there are {len(states)} terrain states", "answer.terrain_states")
     _check_counts(fields.mapping("answer"), pairs, verdicts, ledger)
+    check_claims(fields, {" ".join((way, f"{a}->{b}")): verdict for (way, a, b), verdict in verdicts.items()}, ledger)
     ledger.counts.update(terrain_states=len(states), pairs=len(pairs), checks=len(verdicts))
 
 
@@ -88,6 +90,8 @@ def _check_physics(
             ledger.refuse("skills, primitive", f"{name} is no primitive of these classes, or stands twice", check.place)
             continue
         verdict = check.text("verdict", among=_VERDICTS)
+        for key in ("horizon_s", "cost", "time_s"):
+            check.number(key, least=0.0)
         if verdict == "feasible":
             problem = certificate_problem(check, primitive[0], cell_m, known)
             certified += not problem

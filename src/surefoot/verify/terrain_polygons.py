@@ -12,14 +12,24 @@ import math
 from pathlib import Path
 
 import numpy as np
+import shapely  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from surefoot.errors import InputError
 from surefoot.verify.artefacts import check_kind, parse_json, read_bytes
 from surefoot.verify.findings import Ledger
+from surefoot.verify.terrain_statements import (
+    Piece,
+    check_narrow,
+    check_regions,
+    check_shares,
+    check_shares_of_regions,
+    check_warnings,
+)
 from surefoot.verify.values import Fields
-from surefoot.world.elevation import ElevationMap, read_elevation
-from surefoot.world.planar_regions import read_planar_regions
+from surefoot.world.elevation import ElevationMap
+from surefoot.world.elevation_readers import read_elevation
+from surefoot.world.planar_regions import PlanarRegion, read_planar_regions
 
 FLAT_M = 1e-6
 CONVEX_M = 1e-9
@@ -64,17 +74,25 @@ def check_terrain(path: Path, ledger: Ledger) -> None:
         )
     ledger.counts.update({"polygons": len(shapes), "area_m2": area_m2})
     source, reading = _input(fields, path)
+    whole = len(good) == len(shapes)
     if reading.get("as") == "planar regions":
-        _check_on_regions(source, reading, good, ledger)
+        given = _check_on_regions(source, reading, good, ledger)
+        if whole:
+            check_regions(fields, [shape.piece(0) for shape in shapes], ledger)
+            check_shares_of_regions(fields, *_areas(given, options), ledger)
         return
     scan = _scan(source, reading)
     ground = _Ground(scan, options.number("fill_m"))
     errors = (stated.number("max_plane_error_m"), stated.number("max_cell_error_m"))
     if errors[0] > options.number("max_error_m") + SLACK_M:
         ledger.refuse("terrain, error", "the stated plane error is above the limit", "statistics.max_plane_error_m")
-    for shape in good:
-        if shape.region >= 0:
-            ground.check(shape, errors, ledger)
+    below = {shape.number: ground.check(shape, errors, ledger) for shape in good if shape.region >= 0}
+    if whole:
+        pieces = [shape.piece(below.get(shape.number, 0)) for shape in shapes]
+        regions = check_regions(fields, pieces, ledger)
+        check_shares(fields, scan, pieces, regions, int(ground.dropout.sum()), ledger)
+        things = check_narrow(fields, scan, pieces, ledger)
+        check_warnings(fields, scan.resolution_m, things, ground.dropouts, ledger)
     ledger.counts.update({"cells": ground.cells, "dropouts": ground.dropouts, "largest_error_m": ground.largest_m})
 
 
@@ -126,6 +144,10 @@ class _Polygon:
         spans = np.cross(self.points[1:-1] - first, self.points[2:] - first)
         return 0.5 * float(np.linalg.norm(spans.sum(axis=0)))
 
+    def piece(self, cells: int) -> Piece:
+        """Return what statements about polygons are compared with."""
+        return Piece(self.region, self.points, self.normal, self.area_m2(), cells)
+
     def contains(self, x: Numbers, y: Numbers) -> Flags:
         """Return which places, seen from above, lie in the polygon."""
         inside = np.ones(x.shape, np.bool_)
@@ -149,8 +171,8 @@ class _Ground:
         self.cells = self.dropouts = 0
         self.largest_m = 0.0
 
-    def check(self, shape: _Polygon, errors: tuple[float, float], ledger: Ledger) -> None:
-        """Compare one polygon with the cells whose centres lie below it, and those below its corners."""
+    def check(self, shape: _Polygon, errors: tuple[float, float], ledger: Ledger) -> int:
+        """Compare one polygon with the cells whose centres lie below it, and those below its corners; count these."""
         where = f"polygons[{shape.number}]"
         cell_m, (west, south) = self.scan.resolution_m, self.scan.origin_m
         rows_all, columns_all = self.scan.height_m.shape
@@ -159,7 +181,7 @@ class _Ground:
         top, bottom = rows_all - 1 - _index(high[1] - south, cell_m), rows_all - 1 - _index(low[1] - south, cell_m)
         if first < 0 or top < 0 or last >= columns_all or bottom >= rows_all:
             ledger.refuse("terrain, hole", "reaches beyond the scan", where)
-            return
+            return 0
         columns, rows = np.meshgrid(np.arange(first, last + 1), np.arange(top, bottom + 1))
         x, y = west + (columns + 0.5) * cell_m, south + (rows_all - rows - 0.5) * cell_m
         below = shape.contains(x, y)
@@ -177,6 +199,7 @@ class _Ground:
         self.cells += int(below.sum())
         self.dropouts += int((holes & self.dropout[rows, columns]).sum())
         self._compare(apart, errors, where, ledger)
+        return int(below.sum())
 
     def _compare(self, apart: Floats, errors: tuple[float, float], where: str, ledger: Ledger) -> None:
         known = ~np.isnan(apart)
@@ -238,7 +261,9 @@ def _short_groups(cells: Flags, longest: int) -> Flags:
     return kept
 
 
-def _check_on_regions(source: Path, reading: dict[str, object], shapes: list[_Polygon], ledger: Ledger) -> None:
+def _check_on_regions(
+    source: Path, reading: dict[str, object], shapes: list[_Polygon], ledger: Ledger
+) -> tuple[PlanarRegion, ...]:
     """Check that every polygon of given regions lies on a plane of theirs, within its outline and off its holes."""
     topic = reading.get("topic")
     number = reading.get("message", -1)
@@ -252,6 +277,22 @@ def _check_on_regions(source: Path, reading: dict[str, object], shapes: list[_Po
             _lies_in(probes, region.position_m, region.rotation, region.outer_m, region.holes_m) for region in regions
         ):
             ledger.refuse("terrain, region", "lies in none of the given regions", f"polygons[{shape.number}]")
+    return regions
+
+
+def _areas(regions: tuple[PlanarRegion, ...], options: Fields) -> tuple[list[tuple[float, float]], int]:
+    """Return the areas of regions that are not too steep, before and after the margin, and how many are too steep."""
+    upright = math.cos(math.radians(options.number("max_slope_deg")))
+    flat = [one for one in regions if abs(float(one.rotation[2, 2])) >= upright]
+    areas = []
+    for one in flat:
+        outline = shapely.make_valid(shapely.Polygon(one.outer_m))
+        for hole in one.holes_m:
+            outline = shapely.difference(outline, shapely.make_valid(shapely.Polygon(hole)))
+        margin_m = options.number("margin_m", least=0.0)
+        inset = shapely.buffer(outline, -margin_m, join_style="mitre", mitre_limit=3.0)
+        areas.append((float(outline.area), float(inset.area)))
+    return areas, len(regions) - len(flat)
 
 
 def _lies_in(points: Floats, position: Floats, rotation: Floats, outer: Floats, holes: tuple[Floats, ...]) -> bool:

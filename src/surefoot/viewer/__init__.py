@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from surefoot.errors import InputError
 
 if TYPE_CHECKING:
-    from surefoot.viewer.answers import Asked
+    from surefoot.viewer.maps.answers import Asked
 
 __all__ = [
     "view_answers",
@@ -50,7 +50,7 @@ def view_step(run_dir: Path, step: int, out: Path | None = None) -> tuple[Path, 
         out: the folder for the picture; None means the run's folder.
     """
     from surefoot.viewer import kinds
-    from surefoot.viewer.pushed_steps import draw_step
+    from surefoot.viewer.steps.pushed import draw_step
 
     kinds.demand(run_dir, "--step")
     return draw_step(run_dir, step, run_dir if out is None else out)
@@ -63,7 +63,7 @@ def view_plan(plan_dir: Path, out: Path | None = None) -> tuple[Path, ...]:
         plan_dir: the folder of the plan.
         out: the folder for the pictures; None means the plan's folder.
     """
-    from surefoot.viewer.plans import draw_plan
+    from surefoot.viewer.maps.plans import draw_plan
 
     return draw_plan(plan_dir, plan_dir if out is None else out)
 
@@ -77,7 +77,7 @@ def view_answers(plan_dir: Path, asked: Asked, out: Path | None = None) -> tuple
         out: the folder for the picture; None means the current folder.
     """
     from surefoot.viewer import kinds
-    from surefoot.viewer.answers import draw_answers
+    from surefoot.viewer.maps.answers import draw_answers
 
     kinds.demand(plan_dir, "--cell")
     return draw_answers(plan_dir, asked, Path() if out is None else out)
@@ -90,7 +90,7 @@ def view_scenario(scenario: Path, out: Path | None = None) -> tuple[Path, ...]:
         scenario: the scenario file.
         out: the folder for the picture; None means beside the scenario.
     """
-    from surefoot.viewer.plans import draw_scenario
+    from surefoot.viewer.maps.plans import draw_scenario
 
     return draw_scenario(scenario, scenario.parent if out is None else out)
 
@@ -112,15 +112,16 @@ def view_page(path: Path, out: Path, body: str | None = None, say: Callable[[str
         BackendMissing: if viser is not installed, or meshes are asked for and are not.
     """
     from surefoot.viewer import kinds
-    from surefoot.viewer.bodies import Body
-    from surefoot.viewer.gr1_page import write_gr1_page
+    from surefoot.viewer.pages.gr1 import write_gr1_page, write_gr1_ranking_page
+    from surefoot.viewer.pages.replay import write_motion
     from surefoot.viewer.remarks import silent
-    from surefoot.viewer.replay import write_motion
+    from surefoot.viewer.robots.bodies import Body
 
-    if kinds.demand(path, "--html") is kinds.STRATEGY:
+    kind = kinds.demand(path, "--html")
+    if kind in (kinds.STRATEGY, kinds.RANKING):
         if body is not None:
             raise InputError("--body belongs to runs and foothold plans; a strategy is shown without a robot")
-        return write_gr1_page(path, out)
+        return (write_gr1_page if kind is kinds.STRATEGY else write_gr1_ranking_page)(path, out)
     return write_motion(path, out, None if body is None else Body(body), say or silent)
 
 
@@ -142,11 +143,11 @@ def view_bag(path: Path, out: Path, say: Callable[[str], None] | None = None) ->
     from surefoot.viewer import kinds
 
     if kinds.demand(path, "--mcap") in (kinds.FOOTHOLDS, kinds.QUADRUPED_RUN):
-        from surefoot.viewer.foothold_bag import write_foothold_bag
+        from surefoot.viewer.bags.footholds import write_foothold_bag
         from surefoot.viewer.remarks import silent
 
         return write_foothold_bag(path, out, say or silent)
-    from surefoot.viewer.run_bag import write_run_bag
+    from surefoot.viewer.bags.run import write_run_bag
 
     return write_run_bag(path, out)
 

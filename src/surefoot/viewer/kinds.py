@@ -8,7 +8,6 @@ from pathlib import Path
 
 from surefoot.documents import read_json_object
 from surefoot.errors import InputError
-from surefoot.viewer.quadruped_run import is_quadruped_run
 
 _LARGEST_BYTES = 200_000_000
 _HEAD_BYTES = 64_000
@@ -44,9 +43,7 @@ STRATEGY = Kind(
     pictures=False,
     otherwise="surefoot export --format dot writes it as a graph",
 )
-RANKING = Kind(
-    "a ranking, which lists no states", pictures=False, otherwise="surefoot simulate plays it, as any strategy"
-)
+RANKING = Kind("a ranking", ("--html",), pictures=False, otherwise="surefoot simulate plays it, as any strategy")
 SCENARIO = Kind("the scenario of a biped")
 QUADRUPED_TERRAIN = Kind("the terrain of a quadruped")
 TERRAIN = Kind("a segmented terrain")
@@ -122,3 +119,12 @@ def _of_json(path: Path) -> Kind:
     if not isinstance(named, str) or named not in _FILES:
         raise InputError(f"is no kind that can be drawn; allowed are {', '.join(_FILES)}", source=path, key="kind")
     return _FILES[named]
+
+
+def is_quadruped_run(run_dir: Path) -> bool:
+    """Return whether a folder holds the run of a quadruped."""
+    try:
+        with (run_dir / "run.jsonl").open("rb") as stream:
+            return b'"quadruped-run"' in stream.read(400)
+    except OSError:
+        return False

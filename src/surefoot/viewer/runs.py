@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from surefoot.viewer.beliefs import draw_beliefs
-from surefoot.viewer.keyframes import draw_keyframes
-from surefoot.viewer.paths import draw_path
-from surefoot.viewer.phase_space import draw_phase_space
-from surefoot.viewer.sources import read_run_source
+from surefoot.viewer.maps.beliefs import draw_beliefs
+from surefoot.viewer.maps.paths import draw_path
+from surefoot.viewer.sources.plans import read_run_source
+from surefoot.viewer.steps.keyframes import draw_keyframes
+from surefoot.viewer.steps.phase_space import draw_phase_space
 
 
 def draw_run(run_dir: Path, out: Path) -> tuple[Path, ...]:
@@ -16,7 +16,8 @@ def draw_run(run_dir: Path, out: Path) -> tuple[Path, ...]:
 
     The run of a quadruped has pictures of its own.
     """
-    from surefoot.viewer.quadruped_run import draw_quadruped_run, is_quadruped_run
+    from surefoot.viewer.kinds import is_quadruped_run
+    from surefoot.viewer.terrain.runs import draw_quadruped_run
 
     if is_quadruped_run(run_dir):
         return draw_quadruped_run(run_dir, out)

@@ -16,7 +16,8 @@ def draw_footholds(path: Path, out: Path) -> tuple[Path, ...]:
         path: the file.
         out: the folder for the picture.
     """
-    from surefoot.viewer.footholds import draw_plan, read_foothold_plan
+    from surefoot.viewer.sources.foothold_motion import read_foothold_plan
+    from surefoot.viewer.terrain.footholds import draw_plan
 
     picture = out / f"{path.stem}.png"
     draw_plan(read_foothold_plan(path), picture)
@@ -31,8 +32,8 @@ def draw_regions(path: Path, out: Path) -> tuple[Path, ...]:
         out: the folder for the pictures.
     """
     from surefoot.reach import load_region
-    from surefoot.viewer.omegas import draw_omegas
-    from surefoot.viewer.regions import draw_region
+    from surefoot.viewer.steps.omegas import draw_omegas
+    from surefoot.viewer.steps.regions import draw_region
 
     region = load_region(path)
     return draw_region(region, out / f"{path.stem}.png"), draw_omegas(region, out / f"{path.stem}_omegas.png")
@@ -46,7 +47,7 @@ def draw_ground(path: Path, out: Path) -> tuple[Path, ...]:
         out: the folder for the picture.
     """
     from surefoot.skills import read_terrain
-    from surefoot.viewer.skills_terrain import draw_quadruped_terrain
+    from surefoot.viewer.terrain.classes import draw_quadruped_terrain
 
     return (draw_quadruped_terrain(read_terrain(path), out / f"{path.stem}.png"),)
 
@@ -68,7 +69,7 @@ def draw_library(folder: Path, out: Path) -> tuple[Path, ...]:
     """
     from surefoot.skills.classes import class_set
     from surefoot.skills.library import read_library
-    from surefoot.viewer.skills_terrain import draw_classes, draw_physics
+    from surefoot.viewer.terrain.classes import draw_classes, draw_physics
 
     library = read_library(folder)
     name = str(library.made_with["classes"])

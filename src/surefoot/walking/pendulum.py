@@ -75,13 +75,3 @@ def next_lateral_foot(
     sinh = 0.5 * (growth - 1 / growth)
     foot = switch_m + switch_speed_mps * cosh / (sinh * omega_radps)
     return foot, foot - switch_speed_mps / (omega_radps * sinh)
-
-
-@njit(cache=True)
-def periodic_foot_offset(dy2_m: float, speed_mps: float, length_m: float, omega_radps: float) -> float:
-    """Return how far the feet stand from the line of waypoints when equal steps repeat an apex for ever.
-
-    Half a step lasts tau with sinh(omega tau) = omega length / (2 v), during which the CoM leaves the foot's line by
-    dy2 cosh(omega tau); the feet are symmetric about the waypoints when each is that far from them.
-    """
-    return abs(dy2_m) * math.sqrt(1 + (0.5 * omega_radps * length_m / speed_mps) ** 2)

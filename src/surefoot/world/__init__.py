@@ -9,13 +9,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from surefoot.world.elevation import ElevationMap, elevation_map, read_elevation
+    from surefoot.world.elevation import ElevationMap, elevation_map
+    from surefoot.world.elevation_readers import read_elevation
     from surefoot.world.floors import Floor
+    from surefoot.world.given_regions import terrain_of_regions
     from surefoot.world.grid import CoarseGrid, Rectangle, make_grid
     from surefoot.world.heights import HeightMap, Profile, Stairs, make_heights
     from surefoot.world.occupancy import OccupancyMap, read_occupancy_map
+    from surefoot.world.scanned_terrain import segment_terrain
     from surefoot.world.segmentation import CellClass, SegmentOptions
-    from surefoot.world.terrain_polygons import Terrain, TerrainPolygon, segment_terrain, terrain_of_regions
+    from surefoot.world.terrain_polygons import Terrain, TerrainPolygon
     from surefoot.world.visibility import visible_pairs
 
 __all__ = [
@@ -57,10 +60,10 @@ _HOMES = {
     "elevation_map": "elevation",
     "make_grid": "grid",
     "make_heights": "heights",
-    "read_elevation": "elevation",
+    "read_elevation": "elevation_readers",
     "read_occupancy_map": "occupancy",
-    "segment_terrain": "terrain_polygons",
-    "terrain_of_regions": "terrain_polygons",
+    "segment_terrain": "scanned_terrain",
+    "terrain_of_regions": "given_regions",
     "visible_pairs": "visibility",
 }
 

@@ -9,6 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 _STRAIGHT = 1e-5
 _EPS = 1e-9
@@ -71,3 +72,53 @@ def without_straight(points: Floats) -> Floats:
     out = np.empty((count, 2))
     out[:, 0], out[:, 1] = x[:count], y[:count]
     return out
+
+
+@njit(cache=True)
+def merged_faces(corners: Floats, start: Ints, edges: Ints, twins: Ints) -> tuple[Floats, Ints]:
+    """Return the rings of convex faces that are left of triangles, and where each begins, the end included.
+
+    Diagonals are removed in the order given, as long as the corners at both ends stay convex.
+
+    Args:
+        corners: (n, 2) positions.
+        start: (3 t,) the corner where every directed edge starts, three a triangle, counter-clockwise.
+        edges: (d,) one of the two directed edges of every diagonal.
+        twins: (d,) the other one.
+    """
+    count = len(start)
+    after, before = np.empty(count, np.int64), np.empty(count, np.int64)
+    for k in range(count):
+        after[k] = k - 2 if k % 3 == 2 else k + 1
+        before[k] = k + 2 if k % 3 == 0 else k - 1
+    there = np.ones(count, np.bool_)
+    for d in range(len(edges)):
+        edge, twin = edges[d], twins[d]
+        if _spare(corners, start, after, before, edge, twin) and _spare(corners, start, after, before, twin, edge):
+            after[before[edge]], before[after[twin]] = after[twin], before[edge]
+            after[before[twin]], before[after[edge]] = after[edge], before[twin]
+            there[edge] = there[twin] = False
+    rings, begins = np.empty((count, 2)), np.zeros(count // 3 + 1, np.int64)
+    points, faces = 0, 0
+    for first in range(count):
+        k = first
+        while there[k]:
+            there[k] = False
+            rings[points] = corners[start[k]]
+            points += 1
+            k = after[k]
+        if points - begins[faces] >= 3:
+            faces += 1
+            begins[faces] = points
+        points = begins[faces]
+    return rings[:points], begins[: faces + 1]
+
+
+@njit(cache=True)
+def _spare(corners: Floats, start: Ints, after: Ints, before: Ints, edge: int, twin: int) -> bool:
+    """Return whether the corner where an edge starts stays convex without it."""
+    px, py = corners[start[before[edge]]]
+    x, y = corners[start[edge]]
+    qx, qy = corners[start[after[after[twin]]]]
+    turn = (x - px) * (qy - y) - (y - py) * (qx - x)
+    return bool(turn >= -1e-7 * math.hypot(x - px, y - py) * math.hypot(qx - x, qy - y))

@@ -32,11 +32,15 @@ def framed(mask: Flags) -> Flags:
 
 
 @njit(cache=True)
-def contours(wide: Flags) -> tuple[Floats, Ints]:
+def contours(wide: Flags, whole: Flags) -> tuple[Floats, Ints]:
     """Return the closed contours of a framed mask, and where each begins among the points, the end included.
 
     Points lie halfway between a cell inside and its neighbour outside. The region lies to the left (y down as if it
     were up); cells that only touch at a corner are not joined.
+
+    Args:
+        wide: the mask.
+        whole: cells outside whose corners are not cut, of the same shape.
     """
     rows, columns = wide.shape
     sides = 0
@@ -44,7 +48,7 @@ def contours(wide: Flags) -> tuple[Floats, Ints]:
         for c in range(1, columns - 1):
             if wide[r, c]:
                 sides += (not wide[r - 1, c]) + (not wide[r, c + 1]) + (not wide[r + 1, c]) + (not wide[r, c - 1])
-    points, begins = np.empty((sides, 2)), np.zeros(sides // 4 + 2, np.int64)
+    points, begins = np.empty((2 * sides, 2)), np.zeros(sides // 4 + 2, np.int64)
     seen = np.zeros(wide.shape, np.bool_)
     count, rings = 0, 0
     for row in range(1, rows - 1):
@@ -62,13 +66,17 @@ def contours(wide: Flags) -> tuple[Floats, Ints]:
                 if not wide[ahead_r, ahead_c]:
                     side = (side + 1) % 4
                 elif wide[ahead_r + _OUT_Y[side], ahead_c + _OUT_X[side]]:
+                    if whole[r + _OUT_Y[side], c + _OUT_X[side]]:
+                        points[count, 0] = points[count - 1, 0] + 0.5 * _AHEAD_X[side]
+                        points[count, 1] = points[count - 1, 1] + 0.5 * _AHEAD_Y[side]
+                        count += 1
                     r, c = ahead_r + _OUT_Y[side], ahead_c + _OUT_X[side]
                     side = (side + 3) % 4
                 else:
                     r, c = ahead_r, ahead_c
             rings += 1
             begins[rings] = count
-    return points, begins[: rings + 1]
+    return points[:count], begins[: rings + 1]
 
 
 @njit(cache=True)
@@ -99,6 +107,34 @@ def beside(wide: Flags, most: int) -> tuple[Floats, Flags]:
                 tips[k] = count[r, c] >= most
                 k += 1
     return centres, tips
+
+
+@njit(cache=True)
+def opened(ring: Floats) -> Floats:
+    """Return a ring that begins and ends with its point farthest from the middle of all."""
+    count = len(ring)
+    x, y, farthest, start = ring[:, 0].mean(), ring[:, 1].mean(), -1.0, 0
+    for k in range(count):
+        away = (ring[k, 0] - x) ** 2 + (ring[k, 1] - y) ** 2
+        if away > farthest:
+            farthest, start = away, k
+    points = np.empty((count + 1, 2))
+    points[: count - start], points[count - start : count] = ring[start:], ring[:start]
+    points[count] = ring[start]
+    return points
+
+
+@njit(cache=True)
+def corners_of(closed: Floats, kept: Floats) -> Ints:
+    """Return where the points of a simplified closed ring stand in the whole one, first and last included."""
+    found = np.empty(len(kept), np.int64)
+    place = 0
+    for k in range(len(kept) - 1):
+        while closed[place, 0] != kept[k, 0] or closed[place, 1] != kept[k, 1]:
+            place += 1
+        found[k] = place
+    found[len(kept) - 1] = len(closed) - 1
+    return found
 
 
 @njit(cache=True)

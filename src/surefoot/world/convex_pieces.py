@@ -9,14 +9,14 @@ than there are inward corners); Hertel and Mehlhorn (joining, and the fallback o
 
 from __future__ import annotations
 
-import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import shapely  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from surefoot.world._convex_kernels import convex_ring, without_straight
+from surefoot.world._convex_kernels import convex_ring, merged_faces, without_straight
 
 Floats = NDArray[np.float64]
 
@@ -182,7 +182,7 @@ def merged_triangles(polygon: Any) -> list[Any]:
     triangles = [part for part in shapely.get_parts(shapely.constrained_delaunay_triangles(polygon)) if part.area > 0]
     points = shapely.get_coordinates(shapely.orient_polygons(np.array(triangles, object))).reshape(-1, 4, 2)[:, :3]
     corners, number = np.unique(points.reshape(-1, 2), axis=0, return_inverse=True)
-    faces = _HalfEdges(corners.tolist(), number.ravel().tolist()).faces()
+    faces = _without_diagonals(corners, number.ravel().astype(np.int64))
     hulls = shapely.convex_hull(np.array(faces, object))
     areas = shapely.area(np.array(faces, object))
     if (shapely.area(hulls) - areas > _bend(areas)).any():  # slivers have bent a face
@@ -190,49 +190,23 @@ def merged_triangles(polygon: Any) -> list[Any]:
     return faces
 
 
-class _HalfEdges:
-    """Directed edges of triangles: where each starts, the one after and before it, and its twin across the border."""
+def _without_diagonals(corners: Floats, start: NDArray[np.int64]) -> list[Any]:
+    """Remove diagonals of triangles, longest first, as long as faces stay convex; return the faces.
 
-    def __init__(self, corners: list[list[float]], start: list[int]) -> None:
-        self.corners, self.start = corners, start
-        self.after = [k - 2 if k % 3 == 2 else k + 1 for k in range(len(start))]
-        self.before = [k + 2 if k % 3 == 0 else k - 1 for k in range(len(start))]
-        self.there = [True] * len(start)
-
-    def faces(self) -> list[Any]:
-        """Remove diagonals, longest first, as long as faces stay convex; return the faces."""
-        index = {(self.start[k], self.start[self.after[k]]): k for k in range(len(self.start))}
-        twins = [(k, index[b, a]) for (a, b), k in index.items() if a < b and (b, a) in index]
-        for edge, twin in sorted(twins, key=lambda pair: -self._length(pair[0])):
-            if self._spare(edge, twin) and self._spare(twin, edge):
-                self._remove(edge, twin)
-        found, seen = [], [False] * len(self.start)
-        for k, there in enumerate(self.there):
-            if there and not seen[k]:
-                ring = []
-                while not seen[k]:
-                    seen[k] = True
-                    ring.append(self.corners[self.start[k]])
-                    k = self.after[k]
-                if len(ring) >= 3:
-                    found.append(shapely.polygons(ring))
-        return found
-
-    def _length(self, k: int) -> float:
-        return math.dist(self.corners[self.start[k]], self.corners[self.start[self.after[k]]])
-
-    def _spare(self, edge: int, twin: int) -> bool:
-        """Return whether the corner where an edge starts stays convex without it."""
-        (px, py), (x, y) = self.corners[self.start[self.before[edge]]], self.corners[self.start[edge]]
-        qx, qy = self.corners[self.start[self.after[self.after[twin]]]]
-        turn = (x - px) * (qy - y) - (y - py) * (qx - x)
-        return turn >= -1e-7 * math.hypot(x - px, y - py) * math.hypot(qx - x, qy - y)
-
-    def _remove(self, edge: int, twin: int) -> None:
-        for one, other in ((edge, twin), (twin, edge)):
-            self.after[self.before[one]] = self.after[other]
-            self.before[self.after[other]] = self.before[one]
-        self.there[edge] = self.there[twin] = False
+    Args:
+        corners: (n, 2) positions.
+        start: (3 t,) the corner where every directed edge starts, three a triangle, counter-clockwise.
+    """
+    end = np.roll(start.reshape(-1, 3), -1, axis=1).ravel()
+    ways, back = start * len(corners) + end, end * len(corners) + start
+    order = np.argsort(ways, kind="stable")
+    place = np.minimum(np.searchsorted(ways[order], back), len(order) - 1)
+    twin = order[place]
+    edges = np.flatnonzero((ways[twin] == back) & (start < end))
+    lengths = np.hypot(*(corners[start[edges]] - corners[end[edges]]).T)
+    edges = edges[np.argsort(-lengths, kind="stable")]
+    rings, begins = merged_faces(corners, start, edges, twin[edges])
+    return [shapely.polygons(rings[a:b]) for a, b in pairwise(begins.tolist())]
 
 
 def _bend(area: Any) -> Any:

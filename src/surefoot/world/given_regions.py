@@ -12,16 +12,21 @@ import shapely  # type: ignore[import-untyped]
 from surefoot.errors import InputError
 from surefoot.world.convex_pieces import area_of, convex_pieces
 from surefoot.world.planar_regions import PlanarRegion
+from surefoot.world.scanned_terrain import left_out
 from surefoot.world.segmentation import SegmentOptions
 from surefoot.world.terrain_polygons import Terrain, TerrainPolygon, TerrainRegion
 
 
-def terrain_of(regions: tuple[PlanarRegion, ...], options: SegmentOptions) -> Terrain:
-    """Take the margin off every region that is flat enough, and split what is left into convex pieces.
+def terrain_of_regions(regions: tuple[PlanarRegion, ...], options: SegmentOptions | None = None) -> Terrain:
+    """Return the steppable polygons of planar regions that another program has segmented.
+
+    Regions steeper than the limit are left out and reported; the margin is taken off, the rest is split into
+    convex pieces.
 
     Raises:
         InputError: an outline encloses no area.
     """
+    options = options or SegmentOptions()
     begin = time.perf_counter()
     polygons: list[TerrainPolygon] = []
     kept: list[TerrainRegion] = []
@@ -55,7 +60,7 @@ def terrain_of(regions: tuple[PlanarRegion, ...], options: SegmentOptions) -> Te
     area_m2 = sum(polygon.area_m2 for polygon in polygons)
     said = [f"{steep} regions are steeper than {options.max_slope_deg:g} degrees and were left out"] if steep else []
     if small:
-        said.append(f"{small} pieces below {options.min_area_m2:g} m2 were left out, {small_m2:.3g} m2")
+        said.append(left_out(small, small_m2, options.min_area_m2))
     if not polygons:
         said.append("no region is large and flat enough to stand on")
     return Terrain(

@@ -14,10 +14,11 @@ import numpy as np
 import shapely  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from surefoot.world._outline_kernels import UNSURE_CELLS, beside, contours, fitted, framed
+from surefoot.world._outline_kernels import UNSURE_CELLS, beside, contours, corners_of, fitted, framed, opened
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+NO_TIPS: Floats = np.empty((0, 2))
 
 SIMPLIFY_CELLS = (1.0, 0.6)
 CLEAR_CELLS = 0.6
@@ -26,6 +27,8 @@ FEW = 6
 TIP_CELLS = 1.45
 TIP_NEIGHBOURS = 5
 """A cell with so many neighbours in the region is a tip: the corner it belongs to may reach farther, unseen."""
+ENOUGH = 0.9
+"""A fitted outline that leaves less than this of the plain one is not trusted."""
 THIN = 0.35
 """A region of which the margin leaves less is thin: between other things whose corners may reach into it unseen."""
 
@@ -49,23 +52,23 @@ def inset_outline(
     rings = contour_rings(wide)
     outside, reaching = beside(wide, TIP_NEIGHBOURS)
     tips = outside[reaching]
-    contour = _without(_region(rings, sound=True), tips, UNSURE_CELLS)
-    plain = _shrunk(contour, margin_cells)
+    contour = _region(contour_rings(wide, tips), sound=True)
+    plain = shrunk(contour, margin_cells)
     if plain.area < least_cells:
         return shapely.Polygon(), float(plain.area)
     if plain.area < THIN * contour.area:
         return plain, float(plain.area)
     inward = taken_off(margin_cells)
     for tolerance in SIMPLIFY_CELLS:
-        inset = _shrunk(_region([straightened(ring, tolerance) for ring in rings]), inward)
-        poked = tips[_too_near(inset, tips, TIP_CELLS)] if margin_cells > 0 and len(tips) else tips[:0]
+        inset = shrunk(_region([straightened(ring, tolerance) for ring in rings]), inward)
+        poked = tips[too_near(inset, tips, TIP_CELLS)] if margin_cells > 0 and len(tips) else tips[:0]
         inset = _without(inset, poked, inward + UNSURE_CELLS)
-        near = outside[_too_near(inset, outside, min(inward, UNSURE_CELLS))]
+        near = outside[too_near(inset, outside, min(inward, UNSURE_CELLS))]
         if len(near) <= FEW:
             inset = _without(inset, near, inward + UNSURE_CELLS)
-            if inset.area > 0.9 * plain.area:
+            if inset.area > ENOUGH * plain.area:
                 return _polygons(_clear(inset, empty, inward)), float(plain.area)
-    return _polygons(_clear(_shrunk(contour, inward), empty, inward)), float(plain.area)
+    return _polygons(_clear(shrunk(contour, inward), empty, inward)), float(plain.area)
 
 
 def _clear(inset: Any, empty: Flags | None, inward: float) -> Any:
@@ -81,7 +84,7 @@ def _clear(inset: Any, empty: Flags | None, inward: float) -> Any:
         return _without(inset, holes[_held(inset, holes)], CLEAR_CELLS)
     if not _entered(inset, holes).any():
         return inset
-    return clear_of(_shrunk(inset, UNSURE_CELLS - inward), empty)
+    return clear_of(shrunk(inset, UNSURE_CELLS - inward), empty)
 
 
 def clear_of(inset: Any, empty: Flags) -> Any:
@@ -104,7 +107,7 @@ def _held(shape: Any, centres: Floats) -> Flags:
     corners = np.floor(shapely.get_coordinates(shape) + 0.5)
     cornered = {(x, y) for x, y in corners.tolist()}
     held = np.array([(x, y) in cornered for x, y in centres.tolist()])
-    return held | _too_near(shape, centres, 0.0)
+    return held | too_near(shape, centres, 0.0)
 
 
 def taken_off(margin_cells: float) -> float:
@@ -120,8 +123,8 @@ def within(shape: Any, box: tuple[float, float, float, float]) -> Any:
     return _polygons(shapely.intersection(shape, shapely.box(*box)))
 
 
-def _too_near(shape: Any, points: Floats, distance: float) -> Flags:
-    """Return which points are in a shape, or nearer to it than a distance."""
+def too_near(shape: Any, points: Floats, distance: float) -> Flags:
+    """Return which points are in a shape, or nearer to it than a distance; or each in a shape of its own."""
     shapely.prepare(shape)
     found: Flags = shapely.dwithin(shape, shapely.points(points), max(distance - 1e-6, 0.0))
     return found
@@ -136,13 +139,22 @@ def _without(shape: Any, points: Floats, reach: float) -> Any:
     return shapely.difference(shape, shapely.disjoint_subset_union_all(boxes))
 
 
-def _shrunk(shape: Any, cells: float) -> Any:
+def shrunk(shape: Any, cells: float) -> Any:
+    """Return a shape, or an array of shapes, with a margin taken off."""
     return shapely.buffer(shape, -cells, join_style="mitre", mitre_limit=3.0)
 
 
-def contour_rings(wide: Flags) -> list[Floats]:
-    """Return the closed contours (n, 2) of a framed mask in (column, row) coordinates, without the repeated point."""
-    points, begins = contours(wide)
+def contour_rings(wide: Flags, tips: Floats = NO_TIPS) -> list[Floats]:
+    """Return the closed contours (n, 2) of a framed mask in (column, row) coordinates, without the repeated point.
+
+    Args:
+        wide: the mask.
+        tips: cells outside whose corners are not cut.
+    """
+    whole = np.zeros_like(wide)
+    columns, rows = tips.T.astype(np.intp)
+    whole[rows + 2, columns + 2] = True
+    points, begins = contours(wide, whole)
     return [points[a:b] for a, b in pairwise(begins.tolist())]
 
 
@@ -155,20 +167,12 @@ def straightened(ring: Floats, tolerance: float) -> Floats:
         ring: (n, 2) contour with the region to its left (y down as if it were up), as ``contour_rings`` gives them.
         tolerance: of the simplification, in cells.
     """
-    start = int(np.argmax(((ring - ring.mean(axis=0)) ** 2).sum(axis=1)))
-    points = np.vstack((ring[start:], ring[: start + 1]))
-    corners = _corners(points, tolerance)
+    points = opened(ring)
+    corners = corners_of(points, shapely.get_coordinates(shapely.simplify(shapely.linestrings(points), tolerance)))
     if len(corners) < 4:
         return ring
-    out = fitted(points, np.array(corners))
+    out = fitted(points, corners)
     return out if len(out) >= 3 else ring
-
-
-def _corners(closed: Floats, tolerance: float) -> list[int]:
-    """Return the indices of the points of a closed ring that a simplification keeps, first and last included."""
-    kept = shapely.get_coordinates(shapely.simplify(shapely.linestrings(closed), tolerance))
-    index = {(x, y): k for k, (x, y) in enumerate(closed[:-1].tolist())}
-    return [index[x, y] for x, y in kept[:-1].tolist()] + [len(closed) - 1]
 
 
 def _region(rings: list[Floats], *, sound: bool = False) -> Any:

@@ -311,14 +311,3 @@ def _noise(rms: Floats) -> float:
     """Return the typical residual of a window: most windows of a scan lie on even ground."""
     known = rms[~np.isnan(rms)]
     return float(np.quantile(known, 0.35)) if known.size else 0.0
-
-
-def warm_up() -> None:
-    """Compile the sweeps (or load them from the cache), so that times measured afterwards are those of the work."""
-    from surefoot.world.elevation import elevation_map
-    from surefoot.world.terrain_polygons import segment_terrain
-
-    rows, columns = np.indices((12, 12))
-    heights = np.where(columns < 6, 0.0, 0.2) + 1e-3 * ((rows + columns) % 2)
-    heights[5, 5] = np.nan
-    segment_terrain(elevation_map(heights, 0.02))

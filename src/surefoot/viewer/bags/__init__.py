@@ -1,0 +1,1 @@
+"""Recordings for other tools: MCAP files of ROS 2 messages."""
