@@ -49,8 +49,8 @@ def keep(picture: Path, name: str) -> None:
 def mission(work: Path) -> dict[str, object]:
     """Walk the two rooms, and draw plan, run and strategy."""
     from surefoot.frames import Cell
-    from surefoot.missions.biped import run_mission
-    from surefoot.missions.planning import plan_mission
+    from surefoot.missions.biped.mission import run_mission
+    from surefoot.missions.plans.planning import plan_mission
     from surefoot.viewer import view_answers, view_plan, view_run
     from surefoot.viewer.maps.answers import Asked
 
@@ -66,9 +66,9 @@ def mission(work: Path) -> dict[str, object]:
 
 def pushes(work: Path) -> dict[str, object]:
     """Walk the two rooms while somebody pushes, and draw a step that a region's law recovered."""
-    from surefoot.missions.biped import run_mission
-    from surefoot.missions.pushes import push_source
-    from surefoot.missions.run_log import read_run
+    from surefoot.missions.biped.mission import run_mission
+    from surefoot.missions.biped.run_log import read_run
+    from surefoot.missions.pushes.source import push_source
     from surefoot.viewer import view_step
 
     run = work / "pushed"
@@ -120,9 +120,9 @@ def baselines(work: Path) -> None:
 
 def quadruped(work: Path) -> dict[str, object]:
     """Walk over bars, around an obstacle, against the nearest foothold, and on turned ground; draw all that."""
-    from surefoot.missions.bench_campaign import Campaign
-    from surefoot.missions.bench_quadruped import measure
-    from surefoot.missions.bench_tables import nearest_rows, turned_rows
+    from surefoot.missions.bench.campaign import Campaign
+    from surefoot.missions.bench.quadruped import measure
+    from surefoot.missions.bench.tables import nearest_rows, turned_rows
     from surefoot.viewer.studies.quadruped import draw_ways
 
     campaign = Campaign(work / "campaign", ("rebar-7",), range(QUADRUPED_SEEDS))
@@ -158,7 +158,7 @@ def classes(work: Path) -> None:
 
 def walk(work: Path) -> dict[str, object]:
     """Walk a quadruped over stones and gaps, and draw the walk and the skills that it found."""
-    from surefoot.missions.quadruped import QuadrupedOrder, run_quadruped
+    from surefoot.missions.quadruped.mission import QuadrupedOrder, run_quadruped
     from surefoot.viewer import view_folder, view_run
 
     command("skills terrain unstructured-4 --seed 0 -o", work / "ground.yaml")
@@ -170,7 +170,7 @@ def walk(work: Path) -> dict[str, object]:
 
 def zigzag(work: Path) -> dict[str, object]:
     """Walk a quadruped along a zig-zag, turning in place, and draw the walk."""
-    from surefoot.missions.quadruped import QuadrupedOrder, run_quadruped
+    from surefoot.missions.quadruped.mission import QuadrupedOrder, run_quadruped
     from surefoot.viewer import view_run
 
     command("skills terrain zig-zag --yaw --no-sideways -o", work / "zigzag.yaml")

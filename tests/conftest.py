@@ -29,7 +29,7 @@ def tutorial_plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _planned(scenario: Path, folders: pytest.TempPathFactory) -> Path:
-    from surefoot.missions.planning import plan_mission
+    from surefoot.missions.plans.planning import plan_mission
 
     out = folders.mktemp("plan") / "plan"
     answer = plan_mission(scenario, out)

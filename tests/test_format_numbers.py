@@ -13,20 +13,20 @@ from surefoot.errors import InputError
 from surefoot.footholds import read_problem
 from surefoot.footholds.problem_file import read_robot
 from surefoot.logic.strategy_file import load_strategy
-from surefoot.missions.obstacle_scripts import read_script
-from surefoot.missions.plan_document import read_plan_document
-from surefoot.missions.pushes import read_pushes
-from surefoot.missions.quadruped_events import read_events
-from surefoot.missions.run_log import read_run
-from surefoot.missions.scenario import read_scenario
+from surefoot.missions.biped.run_log import read_run
+from surefoot.missions.obstacles.scripts import read_script
+from surefoot.missions.plans.document import read_plan_document
+from surefoot.missions.pushes.source import read_pushes
+from surefoot.missions.quadruped.events import read_events
+from surefoot.missions.scenario.file import read_scenario
 from surefoot.reach import load_region
 from surefoot.skills.classes import read_classes
 from surefoot.skills.library import read_library
 from surefoot.skills.segmented import read_segmented
 from surefoot.skills.terrain_file import read_terrain
 from surefoot.verify import verify_path
-from surefoot.verify.class_rules import rules_of
-from surefoot.verify.quadruped_map import read_map
+from surefoot.verify.terrain.class_rules import rules_of
+from surefoot.verify.terrain.map import read_map
 
 Reader = Callable[[Path], Any]
 

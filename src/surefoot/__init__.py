@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from surefoot.errors import InputError, SurefootError
-    from surefoot.missions.biped import RunAnswer, run_mission
-    from surefoot.missions.planning import PlanAnswer, plan_mission
-    from surefoot.missions.run_log import read_run
-    from surefoot.missions.scenario import read_scenario
+    from surefoot.missions.biped.mission import RunAnswer, run_mission
+    from surefoot.missions.biped.run_log import read_run
+    from surefoot.missions.plans.planning import PlanAnswer, plan_mission
+    from surefoot.missions.scenario.file import read_scenario
     from surefoot.missions.scenario_init import init_scenario
     from surefoot.verify import Report, verify_path
     from surefoot.viewer import view_run
@@ -30,15 +30,15 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "InputError": "errors",
-    "PlanAnswer": "missions.planning",
+    "PlanAnswer": "missions.plans.planning",
     "Report": "verify",
-    "RunAnswer": "missions.biped",
+    "RunAnswer": "missions.biped.mission",
     "SurefootError": "errors",
     "init_scenario": "missions.scenario_init",
-    "plan_mission": "missions.planning",
-    "read_run": "missions.run_log",
-    "read_scenario": "missions.scenario",
-    "run_mission": "missions.biped",
+    "plan_mission": "missions.plans.planning",
+    "read_run": "missions.biped.run_log",
+    "read_scenario": "missions.scenario.file",
+    "run_mission": "missions.biped.mission",
     "verify_path": "verify",
     "view_run": "viewer",
 }

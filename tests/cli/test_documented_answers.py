@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from surefoot.cli import main
-from surefoot.missions.quadruped import QuadrupedAnswer
+from surefoot.missions.quadruped.mission import QuadrupedAnswer
 from synthetic_run import write_run
 
 DOCS = Path(__file__).parents[2] / "docs" / "answers.md"

@@ -11,7 +11,7 @@ import numpy as np
 from surefoot.footholds import FreeGait, Options, Problem
 from surefoot.footholds.free_families import free_problem_of
 from surefoot.verify.findings import Ledger
-from surefoot.verify.footholds import check_footholds
+from surefoot.verify.footholds.check import check_footholds
 
 
 def leap() -> Problem:

@@ -158,3 +158,14 @@ def test_retargeting_says_why_not(
     assert says in capsys.readouterr().out
     assert run("footholds", "retarget", str(path), "--json") == 1
     assert says in json.loads(capsys.readouterr().out)["reason"]
+
+
+def test_a_plan_without_a_bound_is_drawn(tmp_path: Path) -> None:
+    path, picture = write(tmp_path, 0.3), tmp_path / "plan.png"
+    text = path.read_text().replace("step_s: 0.05", "step_s: 0.025")
+    free = "free\nhorizon_s: 0.6\noptions: {cell_s: 0.05, min_dwell_cells: 1}"
+    path.write_text(text.replace("trot-1s", free).replace("[0.3, 0, 0.29]", "[0.05, 0, 0.29]"))
+    plan = tmp_path / "plan.json"
+    assert run("footholds", "solve", str(path), "--first", "-o", str(plan), "--plot", str(picture)) == 0
+    assert json.loads(plan.read_text())["answer"]["gap"] is None
+    assert picture.read_bytes()[:4] == b"\x89PNG"

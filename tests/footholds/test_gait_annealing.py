@@ -22,7 +22,7 @@ from surefoot.footholds.solve import cheapest
 from surefoot.footholds.tables import polygons_after
 from surefoot.footholds.templates import first_templates
 from surefoot.verify.findings import Ledger
-from surefoot.verify.footholds import check_footholds
+from surefoot.verify.footholds.check import check_footholds
 
 
 @pytest.mark.parametrize("forces", [False, True])

@@ -34,9 +34,9 @@ from surefoot.footholds.sharing import (
 from surefoot.footholds.solve import Solution
 from surefoot.footholds.terrain import polygon
 from surefoot.footholds.tube import everywhere, reachable, tube_below
-from surefoot.verify.footholds_cone import leans, pressed_into
-from surefoot.verify.footholds_grid import grid_of
-from surefoot.verify.footholds_rows import Surface
+from surefoot.verify.footholds.cone import leans, pressed_into
+from surefoot.verify.footholds.grid import grid_of
+from surefoot.verify.footholds.rows import Surface
 
 AHEAD_M = 0.25
 

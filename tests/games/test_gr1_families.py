@@ -10,7 +10,7 @@ from surefoot.games import synthesize
 from surefoot.games.families import genbuf, member
 from surefoot.logic import Specification, parse_slugsin, read_specification
 from surefoot.logic.syntax import Conjunct, Variable
-from surefoot.verify.gr1_sets import Sets, Translator
+from surefoot.verify.gr1.sets import Sets, Translator
 
 DATA = Path(__file__).parents[3] / "shared" / "data" / "specs" / "gr1experiments"
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from surefoot.errors import InputError
-from surefoot.missions.benchmarks import benchmarks
-from surefoot.missions.figures import Figure
-from surefoot.missions.scenario import read_scenario
-from surefoot.missions.scenes import copy_scene, scene_names, scene_path
+from surefoot.missions.bench.biped import benchmarks
+from surefoot.missions.bench.figures import Figure
+from surefoot.missions.scenario.file import read_scenario
+from surefoot.missions.scenario.shipped import copy_scene, scene_names, scene_path
 
 
 def figure(measured: float, target: float | None, bound: str = "at most") -> Figure:

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from surefoot.errors import InputError
-from surefoot.missions.biped import RunAnswer, run_mission
-from surefoot.missions.plan_writer import replaced_plan_folder
-from surefoot.missions.planning import plan_mission
+from surefoot.missions.biped.mission import RunAnswer, run_mission
+from surefoot.missions.plans.planning import plan_mission
+from surefoot.missions.plans.writer import replaced_plan_folder
 
 SCENES = {
     "two_rooms": Path("scenes/two_rooms_mission.yaml"),

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from surefoot.missions.biped_scene import read_biped_scene
-from surefoot.missions.trial import Trial, trial_walks
+from surefoot.missions.plans.trial import Trial, trial_walks
+from surefoot.missions.scenario.scene import read_biped_scene
 from surefoot.navigation import Order, action_rules, build_action_game, order_context, solve_action
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from surefoot.missions.planning import plan_mission
+from surefoot.missions.plans.planning import plan_mission
 
 COMPILED_PARTS = (
     "building the navigation game",

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from surefoot.frames import Cell, Direction
-from surefoot.missions.biped import RunAnswer, run_mission
-from surefoot.missions.biped_scene import BipedScene, read_biped_scene
-from surefoot.missions.monitor import explained, reset, safe_order, violations
-from surefoot.missions.replanning import replanned
-from surefoot.missions.run_log import Run, read_run
+from surefoot.missions.biped.mission import RunAnswer, run_mission
+from surefoot.missions.biped.monitor import explained, reset, safe_order, violations
+from surefoot.missions.biped.replanning import replanned
+from surefoot.missions.biped.run_log import Run, read_run
+from surefoot.missions.scenario.scene import BipedScene, read_biped_scene
 from surefoot.navigation import ObstacleState, Order, Rules
 from surefoot.verify import verify_path
 

@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 
 from surefoot.errors import InputError
 from surefoot.frames import Cell, Direction
-from surefoot.missions.biped import run_mission
-from surefoot.missions.biped_scene import BipedScene, read_biped_scene
-from surefoot.missions.obstacle_bodies import Body, bodies_of
-from surefoot.missions.obstacle_policies import PATIENCE_TURNS, Adversary, Crowd, Policy, random_policies
-from surefoot.missions.obstacle_scripts import read_script
-from surefoot.missions.plan_document import read_plan_document
-from surefoot.missions.planning import plan_mission
-from surefoot.missions.run_log import read_run
-from surefoot.missions.scenario import read_scenario
+from surefoot.missions.biped.mission import run_mission
+from surefoot.missions.biped.run_log import read_run
+from surefoot.missions.obstacles.bodies import Body, bodies_of
+from surefoot.missions.obstacles.policies import PATIENCE_TURNS, Adversary, Crowd, Policy, random_policies
+from surefoot.missions.obstacles.scripts import read_script
+from surefoot.missions.plans.document import read_plan_document
+from surefoot.missions.plans.planning import plan_mission
+from surefoot.missions.scenario.file import read_scenario
+from surefoot.missions.scenario.scene import BipedScene, read_biped_scene
 from surefoot.navigation import Order
 
 DEPOT_1M_SCENE = Path(__file__).parents[1] / "scenes" / "depot_1m_mission.yaml"

@@ -11,12 +11,12 @@ import pytest
 
 from surefoot.errors import InputError
 from surefoot.frames import Foot
-from surefoot.missions.biped import RunAnswer, run_mission
-from surefoot.missions.biped_scene import read_biped_scene
-from surefoot.missions.push_motion import Motion, Planned, flow, meeting_motion
-from surefoot.missions.pushed_step import transition
-from surefoot.missions.pushes import Pusher, RandomPushes, ScriptedPushes, StepPush, push_source, read_pushes
-from surefoot.missions.run_log import read_run
+from surefoot.missions.biped.mission import RunAnswer, run_mission
+from surefoot.missions.biped.run_log import read_run
+from surefoot.missions.pushes.motion import Motion, Planned, flow, meeting_motion
+from surefoot.missions.pushes.source import Pusher, RandomPushes, ScriptedPushes, StepPush, push_source, read_pushes
+from surefoot.missions.pushes.step import transition
+from surefoot.missions.scenario.scene import read_biped_scene
 from surefoot.verify import verify_path
 from surefoot.viewer import view_step
 from surefoot.walking import StepCommand, StepKind, Unsafe, WalkingStep, plan_step, standing_state
@@ -241,7 +241,7 @@ def test_an_unsafe_step_is_blamed_on_the_last_push() -> None:
 
 @pytest.mark.campaign
 def test_an_ensemble_of_pushes(two_rooms_plan: Path) -> None:
-    from surefoot.missions.push_ensemble import push_ensemble
+    from surefoot.missions.bench.pushes import push_ensemble
 
     rows = push_ensemble(((0.05, 0.0), (0.2, 0.05)), range(6), 150, two_rooms_plan)
     assert all(row.refused == 0 for row in rows)

@@ -14,17 +14,18 @@ from pydantic import TypeAdapter
 from calling import surefoot
 from quadruped_field import write_field
 from surefoot.cli import main
-from surefoot.cli.bench_quadruped import quadruped_figures
+from surefoot.cli.benchmarks.quadruped import quadruped_figures
 from surefoot.errors import InputError
 from surefoot.footholds import Gait
 from surefoot.footholds.fields import bars_with_gap
 from surefoot.footholds.gaits import NAMED
 from surefoot.footholds.nearest import nearest_footholds
 from surefoot.footholds.terrain import polygon
-from surefoot.missions.bench_campaign import Campaign
-from surefoot.missions.bench_detours import Detour
-from surefoot.missions.bench_quadruped import Measured
-from surefoot.missions.bench_straight import (
+from surefoot.missions.bench.campaign import Campaign
+from surefoot.missions.bench.detours import Detour
+from surefoot.missions.bench.quadruped import Measured
+from surefoot.missions.bench.quadruped_missions import Ended, Mission, Program, refuted
+from surefoot.missions.bench.straight import (
     Heuristic,
     Steps,
     Straight,
@@ -33,12 +34,11 @@ from surefoot.missions.bench_straight import (
     thinned,
     widest_m,
 )
-from surefoot.missions.bench_tables import misses, nearest_rows, turned_rows
-from surefoot.missions.bench_turned import SLOW_WALK, Turned, mat, measure_mat, turned
-from surefoot.missions.quadruped_bench import Ended, Mission, Program, refuted
-from surefoot.missions.quadruped_crossing import Certificate, Crossed, OnlineLimits, cross, crossing
-from surefoot.missions.quadruped_stance import stance_about
-from surefoot.missions.quadruped_world import World
+from surefoot.missions.bench.tables import misses, nearest_rows, turned_rows
+from surefoot.missions.bench.turned import SLOW_WALK, Turned, mat, measure_mat, turned
+from surefoot.missions.quadruped.crossing import Certificate, Crossed, OnlineLimits, cross, crossing
+from surefoot.missions.quadruped.stance import stance_about
+from surefoot.missions.quadruped.world import World
 from surefoot.robots.quadruped import CHOTU, quadruped
 from surefoot.skills import generated, read_terrain
 

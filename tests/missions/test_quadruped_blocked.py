@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from surefoot.footholds.terrain import polygon
-from surefoot.missions.quadruped_blocked import Blockade
-from surefoot.missions.quadruped_world import World
+from surefoot.missions.quadruped.blocked import Blockade
+from surefoot.missions.quadruped.world import World
 from surefoot.skills import Knowledge, QuadrupedTerrain, class_set
 from surefoot.skills.patches import Rectangle
 from surefoot.skills.values import CheckResult, Direction, Physics, Primitive

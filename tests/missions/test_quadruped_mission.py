@@ -174,7 +174,7 @@ def test_what_does_not_matter_withdraws_nothing(field: Path, tmp_path: Path) -> 
 def test_the_planner_looks_after_a_step_in_place(
     field: Path, tmp_path: Path, event: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from surefoot.missions.quadruped_crossing import cross
+    from surefoot.missions.quadruped.crossing import cross
 
     asked = list[str]()
 
@@ -184,8 +184,8 @@ def test_the_planner_looks_after_a_step_in_place(
         crossed = cross(problem, certificate, limits)
         return replace(crossed, reason="the program is infeasible") if len(asked) == 1 else crossed
 
-    monkeypatch.setattr("surefoot.missions.quadruped_walk.cross", refuted_at_first)
-    monkeypatch.setattr("surefoot.missions.quadruped_walk._SETTLED_M", 0.0)
+    monkeypatch.setattr("surefoot.missions.quadruped.walk.cross", refuted_at_first)
+    monkeypatch.setattr("surefoot.missions.quadruped.walk._SETTLED_M", 0.0)
     file = events(tmp_path / "events.yaml", event + "obstacle_m: [[1.1, 1.1], [1.3, 1.3]]}")
     answer = walked(field, tmp_path / "run", "--events", file)
     assert answer["reached"], answer["why_not"]
@@ -207,7 +207,7 @@ def test_a_target_without_a_pose_is_no_contradiction(
         asked.append("")
         return Retargeted("infeasible", None, None, (), None, 0.0) if len(asked) == 1 else retarget(problem)
 
-    monkeypatch.setattr("surefoot.missions.quadruped_crossing.retarget", nowhere_at_first)
+    monkeypatch.setattr("surefoot.missions.quadruped.crossing.retarget", nowhere_at_first)
     answer = walked(field, tmp_path / "run")
     assert answer["reached"]
     assert answer["verified"], answer["findings"]
@@ -267,8 +267,8 @@ def test_slopes_are_walked(tmp_path: Path) -> None:
 
 
 def test_a_program_that_fails_disallows_its_move_on_this_ground_only(field: Path, tmp_path: Path) -> None:
-    from surefoot.missions.quadruped import QuadrupedOrder, walk_quadruped
-    from surefoot.missions.quadruped_crossing import OnlineLimits
+    from surefoot.missions.quadruped.crossing import OnlineLimits
+    from surefoot.missions.quadruped.mission import QuadrupedOrder, walk_quadruped
 
     order = QuadrupedOrder(field / "field.yaml", field / "library", limits=OnlineLimits(time_limit_s=0.0))
     walk, answer = walk_quadruped(order, tmp_path / "run")

@@ -15,13 +15,13 @@ from hypothesis import strategies as st
 from quadruped_field import write_field
 from surefoot.footholds.gaits import FreeGait, Gait
 from surefoot.footholds.terrain import polygon
-from surefoot.missions.quadruped_ahead import looked_ahead
-from surefoot.missions.quadruped_crossing import OnlineLimits, cross, crossing
-from surefoot.missions.quadruped_route import Routes, in_grid, offset_on_map, on_map
-from surefoot.missions.quadruped_skills import SkillBook
-from surefoot.missions.quadruped_stance import stance_about
-from surefoot.missions.quadruped_timeline import delay_of, delays, timeline
-from surefoot.missions.quadruped_world import World, cut
+from surefoot.missions.quadruped.ahead import looked_ahead
+from surefoot.missions.quadruped.crossing import OnlineLimits, cross, crossing
+from surefoot.missions.quadruped.route import Routes, in_grid, offset_on_map, on_map
+from surefoot.missions.quadruped.skills import SkillBook
+from surefoot.missions.quadruped.stance import stance_about
+from surefoot.missions.quadruped.timeline import delay_of, delays, timeline
+from surefoot.missions.quadruped.world import World, cut
 from surefoot.robots.quadruped import quadruped
 from surefoot.skills import LocalGrid, generated, read_terrain
 from surefoot.skills.headings import turning_of

@@ -8,9 +8,9 @@ import pytest
 
 from surefoot.errors import InputError
 from surefoot.frames import Cell, Direction
-from surefoot.missions.biped import run_mission
-from surefoot.missions.biped_scene import read_biped_scene
-from surefoot.missions.legs import Legs, fewest_moves
+from surefoot.missions.biped.legs import Legs, fewest_moves
+from surefoot.missions.biped.mission import run_mission
+from surefoot.missions.scenario.scene import read_biped_scene
 from surefoot.navigation import Order
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from surefoot.errors import InputError
-from surefoot.missions.run_log import read_run
+from surefoot.missions.biped.run_log import read_run
 from synthetic_run import write_run
 
 

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from surefoot.errors import InputError
-from surefoot.missions.scenario import Scenario, read_scenario, scenario_schema
+from surefoot.missions.scenario.file import Scenario, read_scenario, scenario_schema
 
 GOOD = """\
 format: 1

@@ -15,7 +15,7 @@ from hypothesis.extra.numpy import arrays
 from surefoot.errors import InputError, LimitExceeded
 from surefoot.frames import Cell, Direction
 from surefoot.missions._init_layout import distances, lay_out, looping_cells, quarters, square
-from surefoot.missions.scenario import read_scenario
+from surefoot.missions.scenario.file import read_scenario
 from surefoot.missions.scenario_init import init_scenario
 from surefoot.world import CoarseGrid, make_grid, read_occupancy_map
 
@@ -54,7 +54,7 @@ def planned(monkeypatch: pytest.MonkeyPatch) -> Callable[[list[bool]], list[str]
             read_scenario(path)
             return Answer(answers[len(asked) - 1])
 
-        monkeypatch.setattr("surefoot.missions.planning.plan_mission", plan)
+        monkeypatch.setattr("surefoot.missions.plans.planning.plan_mission", plan)
         return asked
 
     return prepare
@@ -121,7 +121,7 @@ def test_what_takes_too_long_is_left_open(tmp_path: Path, monkeypatch: pytest.Mo
     def plan(*_: object, **__: object) -> None:
         raise LimitExceeded("too long")
 
-    monkeypatch.setattr("surefoot.missions.planning.plan_mission", plan)
+    monkeypatch.setattr("surefoot.missions.plans.planning.plan_mission", plan)
     made = init_scenario(write_map(tmp_path, RING), tmp_path / "my.yaml")
     assert made.checked is None
     assert made.scenario.is_file()

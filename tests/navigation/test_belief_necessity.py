@@ -11,7 +11,7 @@ from art import crowd, two_rooms
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surefoot.missions.biped_scene import read_biped_scene
+from surefoot.missions.scenario.scene import read_biped_scene
 from surefoot.navigation import (
     automatic_regions,
     belief_study,

@@ -53,7 +53,7 @@ def any_plan(request: pytest.FixtureRequest) -> Path:
 @pytest.fixture(scope="session")
 def walked(tutorial_plan: Path, scenes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the run of a mission."""
-    from surefoot.missions.biped import run_mission
+    from surefoot.missions.biped.mission import run_mission
 
     out = tutorial_plan.parent / "run"
     run_mission(scenes / "tutorial_mission.yaml", tutorial_plan, steps=120, seed=5, obstacle="adversarial", out=out)

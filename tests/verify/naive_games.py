@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from surefoot.verify.action import Core
-from surefoot.verify.decisions import Decision
+from surefoot.verify.navigation.decisions import Decision
+from surefoot.verify.plan.action import Core
 
 Moves = dict[Decision, dict[int, list[tuple[Decision, bool]]]]
 State = tuple[Core, int]

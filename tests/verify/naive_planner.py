@@ -17,25 +17,15 @@ from naive_games import Moves, State, buchi, gr1, reached_from
 
 from surefoot.compute import sha256_of
 from surefoot.frames import Direction
-from surefoot.verify.action import Core, follows, start_core
-from surefoot.verify.action_moves import (
-    FINE,
-    NOWHERE,
-    Rules,
-    allowed,
-    booked,
-    landed,
-    moved,
-    outcome_limits,
-    rules_of,
-)
-from surefoot.verify.assumption import Assumption
-from surefoot.verify.belief import Abstraction, Known, Obstacles, Turned, abstraction_of
-from surefoot.verify.claims import ORDERS, Claims
-from surefoot.verify.decisions import WAIT, Decision
-from surefoot.verify.navigation import arrival, order_allowed, start_decision
-from surefoot.verify.scenario import HEADINGS, WALKING_KEYS, read_scenario
-from surefoot.verify.scene import Scene, derive_scene, fine_distance_m
+from surefoot.verify.navigation.assumption import Assumption
+from surefoot.verify.navigation.belief import Abstraction, Known, Obstacles, Turned, abstraction_of
+from surefoot.verify.navigation.claims import ORDERS, Claims
+from surefoot.verify.navigation.decisions import WAIT, Decision
+from surefoot.verify.navigation.play import arrival, order_allowed, start_decision
+from surefoot.verify.plan.action import Core, follows, start_core
+from surefoot.verify.plan.moves import FINE, NOWHERE, Rules, allowed, booked, landed, moved, outcome_limits, rules_of
+from surefoot.verify.scene.derived import Scene, derive_scene, fine_distance_m
+from surefoot.verify.scene.scenario import HEADINGS, WALKING_KEYS, read_scenario
 
 Booking = Callable[[tuple[float, ...]], Any]
 

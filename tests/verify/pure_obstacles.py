@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from itertools import product
 
 from surefoot.frames import Direction
-from surefoot.verify.belief import Abstraction, KindKnown, Known, Obstacles, Turned
-from surefoot.verify.scene import ObstacleKind, Scene
+from surefoot.verify.navigation.belief import Abstraction, KindKnown, Known, Obstacles, Turned
+from surefoot.verify.scene.derived import ObstacleKind, Scene
 
 Cells = frozenset[int]
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from surefoot.missions.quadruped_world import World
+from surefoot.missions.quadruped.world import World
 from surefoot.skills import generated, read_terrain, write_terrain
 from surefoot.skills.patches import Rectangle
-from surefoot.verify.cell_classes import CellClasses
-from surefoot.verify.class_rules import OBSTACLE, SHIPPED, rules_of
-from surefoot.verify.quadruped_map import read_map
+from surefoot.verify.terrain.cell_classes import CellClasses
+from surefoot.verify.terrain.class_rules import OBSTACLE, SHIPPED, rules_of
+from surefoot.verify.terrain.map import read_map
 
 
 def compared(world: World, seen: CellClasses, turns: int) -> int:

@@ -15,7 +15,7 @@ from surefoot.footholds import read_problem, retarget, retargeted, solve, write_
 from surefoot.footholds.gaits import NAMED
 from surefoot.footholds.generators import problem_of, strips
 from surefoot.verify import verify_path
-from surefoot.verify.footholds_problem import differing_keys
+from surefoot.verify.footholds.problem import differing_keys
 
 PROBLEM = """
 format: 1

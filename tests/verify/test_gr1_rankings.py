@@ -24,8 +24,8 @@ from surefoot.logic.ranking_file import load_ranking, save_ranking
 from surefoot.logic.strategy_file import save_strategy
 from surefoot.logic.transducer import Semantics
 from surefoot.verify import verify_path
-from surefoot.verify._gr1_kernels import FALSE
-from surefoot.verify.gr1_sets import Sets, Translator
+from surefoot.verify.gr1._kernels import FALSE
+from surefoot.verify.gr1.sets import Sets, Translator
 
 Arrays = dict[str, Any]
 

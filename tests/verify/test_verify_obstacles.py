@@ -18,11 +18,12 @@ from pure_obstacles import Cells, PureObstacles
 from small_scene import PICTURE, SCENARIO, Planner
 
 from surefoot.errors import LimitExceeded
-from surefoot.verify import Report, true_product, verify_path
-from surefoot.verify.assumption import Assumption
-from surefoot.verify.belief import Abstraction, KindKnown, Known, Obstacles, Turned
-from surefoot.verify.scenario import read_scenario
-from surefoot.verify.scene import Scene, derive_scene
+from surefoot.verify import Report, verify_path
+from surefoot.verify.navigation import true_product
+from surefoot.verify.navigation.assumption import Assumption
+from surefoot.verify.navigation.belief import Abstraction, KindKnown, Known, Obstacles, Turned
+from surefoot.verify.scene.derived import Scene, derive_scene
+from surefoot.verify.scene.scenario import read_scenario
 
 Rows = dict[str, Any]
 EAST = "forbidden: [{rectangle_m: [0, 0, 2, 3]}]"

@@ -15,8 +15,8 @@ from small_scene import Planner
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.verify import Report, verify_path
-from surefoot.verify.action_moves import booked
-from surefoot.verify.belief import Known, Obstacles, Turned
+from surefoot.verify.navigation.belief import Known, Obstacles, Turned
+from surefoot.verify.plan.moves import booked
 
 REGIONS = "belief_regions: [{rectangles_m: [[2, 0, 3, 3]]}]"
 

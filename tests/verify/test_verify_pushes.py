@@ -26,8 +26,8 @@ pushes:
 @pytest.fixture(scope="module")
 def pushed(tutorial_plan: Path, scenes: Path) -> Path:
     """Return a run with two pushes, one that the region recovers and one that the next foot does."""
-    from surefoot.missions.biped import run_mission
-    from surefoot.missions.pushes import read_pushes
+    from surefoot.missions.biped.mission import run_mission
+    from surefoot.missions.pushes.source import read_pushes
 
     script = tutorial_plan.parent / "pushes.yaml"
     script.write_text(SCRIPT)

@@ -14,8 +14,8 @@ import pytest
 
 from quadruped_field import doctored, make_field, records, walked
 from surefoot.errors import InputError
-from surefoot.missions.quadruped import QuadrupedOrder, run_quadruped
-from surefoot.missions.quadruped_crossing import OnlineLimits
+from surefoot.missions.quadruped.crossing import OnlineLimits
+from surefoot.missions.quadruped.mission import QuadrupedOrder, run_quadruped
 from surefoot.verify import verify_path
 
 Record = dict[str, Any]

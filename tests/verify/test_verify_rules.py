@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from surefoot.frames import Direction
-from surefoot.verify.action_moves import booked
-from surefoot.verify.footing import outside_m
 from surefoot.verify.graphs import can_reach, components, cyclic, reached_from
-from surefoot.verify.grid import disc_is_free, free_cells, lay_grid
-from surefoot.verify.motion import integrated, may_turn
-from surefoot.verify.scenario import read_scenario
-from surefoot.verify.scene import derive_scene
-from surefoot.verify.sight import sight
+from surefoot.verify.plan.moves import booked
+from surefoot.verify.runs.footing import outside_m
+from surefoot.verify.runs.motion import integrated, may_turn
+from surefoot.verify.scene.derived import derive_scene
+from surefoot.verify.scene.grid import disc_is_free, free_cells, lay_grid
+from surefoot.verify.scene.scenario import read_scenario
+from surefoot.verify.scene.sight import sight
 from surefoot.world.occupancy import OccupancyMap
 
 

@@ -23,8 +23,8 @@ Change = Callable[[Records], object]
 @pytest.fixture(scope="module")
 def pair(scenes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a run with two obstacles, beside its plan."""
-    from surefoot.missions.biped import run_mission
-    from surefoot.missions.planning import plan_mission
+    from surefoot.missions.biped.mission import run_mission
+    from surefoot.missions.plans.planning import plan_mission
 
     folder, scenario = tmp_path_factory.mktemp("pair"), scenes / "two_rooms_two_obstacles_mission.yaml"
     assert plan_mission(scenario, folder / "plan").realizable
@@ -35,7 +35,7 @@ def pair(scenes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def lawless(two_rooms_plan: Path, scenes: Path) -> Path:
     """Return a run in which the obstacle breaks its assumptions, and the robot plans again."""
-    from surefoot.missions.biped import run_mission
+    from surefoot.missions.biped.mission import run_mission
 
     out, script = two_rooms_plan.parent / "lawless", scenes / "scripts" / "two_rooms_appear.yaml"
     scenario = scenes / "two_rooms_mission.yaml"

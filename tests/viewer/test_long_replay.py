@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from browsing import browser
 
-from surefoot.missions.run_log import read_run
+from surefoot.missions.biped.run_log import read_run
 from surefoot.viewer.pages.replay import write_replay
 from surefoot.viewer.robots.bodies import Body
 from surefoot.viewer.robots.mesh_files import package_folder

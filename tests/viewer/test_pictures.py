@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from surefoot.errors import InputError
-from surefoot.missions.run_log import Run, Turn, read_run
+from surefoot.missions.biped.run_log import Run, Turn, read_run
 from surefoot.viewer import view_folder, view_plan, view_run
 from synthetic_run import write_run
 

@@ -16,9 +16,9 @@ from calling import surefoot
 from quadruped_field import write_field
 from surefoot.errors import InputError
 from surefoot.frames import Cell
-from surefoot.missions.biped_scene import BipedScene, read_biped_scene
-from surefoot.missions.coarse_play import coarse_play
-from surefoot.missions.run_log import Turn
+from surefoot.missions.biped.coarse_play import coarse_play
+from surefoot.missions.biped.run_log import Turn
+from surefoot.missions.scenario.scene import BipedScene, read_biped_scene
 from surefoot.viewer import view_folder, view_plan, view_step
 from surefoot.viewer.maps.beliefs import chosen_turns
 from surefoot.viewer.maps.obstacle_tracks import way
@@ -130,7 +130,7 @@ def test_a_library_is_drawn_with_its_classes(tmp_path: Path) -> None:
 
 
 def test_a_step_that_nothing_pushed_shows_what_comes_next(tutorial_plan: Path, scenes: Path, tmp_path: Path) -> None:
-    from surefoot.missions.biped import run_mission
+    from surefoot.missions.biped.mission import run_mission
 
     run_mission(
         scenes / "tutorial_mission.yaml", tutorial_plan, steps=6, seed=0, obstacle="random", out=tmp_path / "run"
@@ -143,7 +143,7 @@ def test_a_step_that_nothing_pushed_shows_what_comes_next(tutorial_plan: Path, s
 
 
 def test_a_plan_that_was_drawn_can_be_replaced(scenes: Path, tmp_path: Path) -> None:
-    from surefoot.missions.planning import plan_mission
+    from surefoot.missions.plans.planning import plan_mission
 
     plan_mission(scenes / "tutorial_mission.yaml", tmp_path / "plan")
     assert (tmp_path / "plan" / "play.png") in view_plan(tmp_path / "plan")

@@ -8,8 +8,8 @@ import pytest
 from PIL import Image
 
 from surefoot.errors import InputError
-from surefoot.missions.biped import run_mission
-from surefoot.missions.pushes import ScriptedPushes, StepPush, read_pushes
+from surefoot.missions.biped.mission import run_mission
+from surefoot.missions.pushes.source import ScriptedPushes, StepPush, read_pushes
 from surefoot.viewer import view_run, view_step
 
 

@@ -47,7 +47,7 @@ def belief(
     """
     from surefoot.compute import Deadline
     from surefoot.errors import LimitExceeded
-    from surefoot.missions.biped_scene import read_biped_scene
+    from surefoot.missions.scenario.scene import read_biped_scene
     from surefoot.navigation import belief_study, coarse_map
 
     with progress() as say:

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from surefoot.cli.bench_growth import answer_growth
-from surefoot.cli.bench_pushes import answer_pushes
-from surefoot.cli.bench_quadruped import FULL_SEEDS, SEEDS, Asked, answer_quadruped_bench
-from surefoot.cli.bench_regions import answer_table_1, region_figures
-from surefoot.cli.bench_scaling import answer_scaling
-from surefoot.cli.bench_table import figure_table
+from surefoot.cli.benchmarks.growth import answer_growth
+from surefoot.cli.benchmarks.pushes import answer_pushes
+from surefoot.cli.benchmarks.quadruped import FULL_SEEDS, SEEDS, Asked, answer_quadruped_bench
+from surefoot.cli.benchmarks.regions import answer_table_1, region_figures
+from surefoot.cli.benchmarks.scaling import answer_scaling
+from surefoot.cli.benchmarks.table import figure_table
 from surefoot.cli.output import AsJson, Say, answer, progress
 from surefoot.errors import InputError
 
 if TYPE_CHECKING:
-    from surefoot.missions.figures import Figure
+    from surefoot.missions.bench.figures import Figure
 
 Suite = Callable[[Say], "Iterable[Figure]"]
 
@@ -115,42 +115,42 @@ def _suites(which: Which) -> tuple[Suite, ...]:
 
 
 def _biped(which: str, say: Say) -> Iterable[Figure]:
-    from surefoot.missions.benchmarks import benchmarks
+    from surefoot.missions.bench.biped import benchmarks
 
     return benchmarks(which, say)
 
 
 def _navigation(say: Say) -> Iterable[Figure]:
-    from surefoot.cli.bench_navigation import navigation_figures
+    from surefoot.cli.benchmarks.navigation import navigation_figures
 
     return navigation_figures(say)
 
 
 def _footholds(say: Say) -> Iterable[Figure]:
-    from surefoot.cli.bench_footholds import foothold_figures
+    from surefoot.cli.benchmarks.footholds import foothold_figures
 
     return foothold_figures(say)
 
 
 def _gaits(say: Say) -> Iterable[Figure]:
-    from surefoot.cli.bench_gaitfree import gait_figures
+    from surefoot.cli.benchmarks.gaits import gait_figures
 
     return gait_figures(say)
 
 
 def _terrain(say: Say) -> Iterable[Figure]:
-    from surefoot.cli.bench_terrain import terrain_figures
+    from surefoot.cli.benchmarks.terrain import terrain_figures
 
     return terrain_figures(say)
 
 
 def _synthesis(say: Say) -> Iterable[Figure]:
-    from surefoot.cli.bench_synthesis import synthesis_figures
+    from surefoot.cli.benchmarks.synthesis import synthesis_figures
 
     return synthesis_figures(say)
 
 
 def _skills(say: Say) -> Iterable[Figure]:
-    from surefoot.cli.bench_skills import skill_figures
+    from surefoot.cli.benchmarks.skills import skill_figures
 
     return skill_figures(say)

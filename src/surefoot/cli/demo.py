@@ -24,9 +24,9 @@ def demo(
       surefoot demo
       surefoot demo -o demo/ --steps 200 --seed 3
     """
-    from surefoot.missions.biped import run_mission
-    from surefoot.missions.planning import plan_mission
-    from surefoot.missions.scenes import copy_scene
+    from surefoot.missions.biped.mission import run_mission
+    from surefoot.missions.plans.planning import plan_mission
+    from surefoot.missions.scenario.shipped import copy_scene
     from surefoot.viewer import view_folder
 
     with progress() as say:

@@ -10,7 +10,7 @@ import typer
 from surefoot.cli.output import AsJson, answer, facts, progress
 
 if TYPE_CHECKING:
-    from surefoot.missions.planning import PlanAnswer
+    from surefoot.missions.plans.planning import PlanAnswer
 
 _HOW = "How the obstacles win; cells are (row, column) as in the picture that surefoot view SCENARIO draws:"
 
@@ -37,7 +37,7 @@ def plan(
     Exit code 0: realizable and verified; 1: not realizable; 2: the scenario or
     the map cannot be used; 3: the time limit was reached.
     """
-    from surefoot.missions.planning import plan_mission
+    from surefoot.missions.plans.planning import plan_mission
 
     with progress() as say:
         planned = plan_mission(scenario, output, say, time_limit_s)

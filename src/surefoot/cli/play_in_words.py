@@ -117,7 +117,7 @@ def _blocking(
 
     from surefoot.errors import LimitExceeded
     from surefoot.logic import Evaluator
-    from surefoot.verify.gr1_choices import Choices
+    from surefoot.verify.gr1.choices import Choices
 
     evaluator = Evaluator(specification)
     now = {name: np.array([value]) for name, value in current.items()}

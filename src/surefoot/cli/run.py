@@ -13,7 +13,7 @@ from surefoot.cli.watching import watched
 from surefoot.errors import InputError
 
 if TYPE_CHECKING:
-    from surefoot.missions.biped import RunAnswer
+    from surefoot.missions.biped.mission import RunAnswer
 
 _FINDINGS = 5
 _BIPED = ("plan", "steps", "seed", "obstacle", "script", "pushes", "push_size", "push_side_size", "push_rate")
@@ -134,8 +134,8 @@ def run(
     quadruped = is_quadruped(scenario)
     _refuse_others(context, _BIPED if quadruped else _QUADRUPED, "biped" if quadruped else "quadruped")
     if quadruped:
-        from surefoot.missions.quadruped import QuadrupedOrder
-        from surefoot.missions.quadruped_crossing import OnlineLimits
+        from surefoot.missions.quadruped.crossing import OnlineLimits
+        from surefoot.missions.quadruped.mission import QuadrupedOrder
 
         ends, limits = (place(start, "--start"), place(goal, "--goal")), OnlineLimits(joint_reach=joint_reach)
         order = QuadrupedOrder(scenario, library, *ends, events=events, delay=delay, classes=classes, limits=limits)
@@ -143,8 +143,8 @@ def run(
             answer_quadruped(order, output, as_json=as_json)
     if (script is not None) != (obstacle is Obstacle.SCRIPTED):
         raise InputError("--script FILE and --obstacle scripted belong together; give both or neither")
-    from surefoot.missions.biped import run_mission
-    from surefoot.missions.pushes import push_source
+    from surefoot.missions.biped.mission import run_mission
+    from surefoot.missions.pushes.source import push_source
 
     sizes = {"size_mps": push_size, "side_size_mps": push_side_size, "rate": push_rate}
     source = push_source(pushes, seed, {name: value for name, value in sizes.items() if value is not None})

@@ -10,7 +10,7 @@ from surefoot.cli.output import answer, facts, progress
 from surefoot.errors import InputError
 
 if TYPE_CHECKING:
-    from surefoot.missions.quadruped import QuadrupedAnswer, QuadrupedOrder
+    from surefoot.missions.quadruped.mission import QuadrupedAnswer, QuadrupedOrder
 
 _LARGEST_BYTES = 64_000_000
 _FINDINGS = 5
@@ -46,7 +46,7 @@ def place(text: str | None, option: str) -> tuple[float, float] | None:
 
 def answer_quadruped(order: QuadrupedOrder, output: Path, *, as_json: bool) -> None:
     """Walk the mission and print its answer."""
-    from surefoot.missions.quadruped import run_quadruped
+    from surefoot.missions.quadruped.mission import run_quadruped
 
     with progress() as say:
         walked = run_quadruped(order, output, say)

@@ -68,7 +68,7 @@ def schema(as_json: AsJson = False) -> None:
     Examples:
       surefoot scenario schema > scenario.schema.json
     """
-    from surefoot.missions.scenario import scenario_schema
+    from surefoot.missions.scenario.file import scenario_schema
 
     printed = scenario_schema()
     answer(printed, json.dumps(printed, indent=2).splitlines(), yes=True, as_json=as_json)

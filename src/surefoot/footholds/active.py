@@ -24,8 +24,7 @@ from surefoot.footholds.violation import worst_row
 SOLVED, COSTLY, GIVEN_UP = 0, 1, 2
 KEPT_BY_NONE, TOO_MANY = -1, -2
 
-_MOST_ACTIVE = 260
-_MOST_CHANGES = 600
+_MORE_ACTIVE, _MORE_CHANGES = 160, 4
 _KEPT_M = 1e-7
 _LEAST_PIVOT = 1e-10
 
@@ -57,8 +56,8 @@ class Front(NamedTuple):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _empty() -> Front:
-    most = _MOST_ACTIVE
+def _empty(samples: int) -> Front:
+    most = 2 * samples + _MORE_ACTIVE
     return Front(
         np.zeros((most, 4), dtype=np.int64), np.zeros((most, WIDEST), dtype=np.int64), np.zeros((most, WIDEST)),
         np.zeros(most, dtype=np.int64), np.zeros(most), np.empty((most, most)), np.empty((most, most)),
@@ -79,11 +78,11 @@ def solve_table(
         worth: from which cost on a plan is of no interest.
         warm: names of the inequalities to start from, shape (n, 4).
     """
-    system, front = system_of(given, contacts), _empty()
+    system, front = system_of(given, contacts), _empty(len(contacts))
     points, right = system.free_m.copy(), np.zeros_like(system.free_m)
     active = _begun(given, system, polygons, front, warm, right)
-    changes = 0
-    while changes < _MOST_CHANGES and 0 <= active < _MOST_ACTIVE - 1:
+    changes, most = 0, len(front.press) - 1
+    while changes < _MORE_CHANGES * most and 0 <= active < most:
         _place(system, front, active, points)
         value = system.constant + (points * system.linear).sum() / 2 + (front.press * front.limits)[:active].sum() / 2
         if value >= worth:
@@ -111,16 +110,14 @@ def _begun(given: Givens, system: System, polygons: Index, front: Front, warm: I
             name[:] = (FLIGHT, sample, axis, 0)
         else:
             name[:] = (PLANE, place - 3 * samples, 0, 0)
-        if active == _MOST_ACTIVE - 1:
+        if active == len(front.press) - 1:
             return TOO_MANY
         if not _written(given, system, polygons, front, active, name, right) or not _extended(front, active):
             return KEPT_BY_NONE
         active += 1
     for number in range(len(warm)):
-        if active < _MOST_ACTIVE - 1 and _written(given, system, polygons, front, active, warm[number], right):
+        if active < len(front.press) - 1 and _written(given, system, polygons, front, active, warm[number], right):
             active += int(_extended(front, active))
-    if active == _MOST_ACTIVE - 1:
-        return TOO_MANY
     while True:
         _press(system, front, active)
         kept = _kept(front, active)
@@ -237,7 +234,7 @@ def _pressed(front: Front, active: int, lack: float) -> tuple[int, int]:
     Return how many rows are active now, ``KEPT_BY_NONE`` where no motion keeps all of them, and how many steps it took.
     """
     steps = 0
-    push = np.zeros(_MOST_ACTIVE)
+    push = np.zeros(active + 1)
     while True:
         steps += 1
         push[:active] = front.gram[active, :active]

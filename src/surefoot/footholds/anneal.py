@@ -1,9 +1,10 @@
-"""Better plans from a plan: random changes of contacts and polygons, each tried by one or two convex programs.
+"""Better plans from a plan: random changes of contacts and polygons, each tried by one small program.
 
-With the polygons of all footsteps given a program has no choices left, so that it is solved once, and once more with
-the forces as unknowns where friction or torque press. That is a fraction of what the search over all polygons takes;
-the polygons themselves are changed at random instead, and searched at the end of a round. Simulated annealing from a
-fixed seed, in rounds: from the best plan, and by turns from other families of gaits. Nothing depends on time.
+With the polygons of all footsteps given a program has no choices left. It is solved from the rows that press in the
+plan that was changed (``tables``), and given up as soon as its cost shows to be too high; with moment balance, support
+or collision it is one of the convex programs of the search. The polygons are changed at random as well, and searched at
+the end of a round. Simulated annealing from a fixed seed, in rounds: from the best plan, and by turns from other
+families of gaits. Nothing depends on time.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ from surefoot.footholds.assembly import Parts
 from surefoot.footholds.cells import Cells, fixed
 from surefoot.footholds.model import Choice
 from surefoot.footholds.moves import proposal
-from surefoot.footholds.nodes import WholeProgram
+from surefoot.footholds.nodes import ReducedProgram, WholeProgram
 from surefoot.footholds.problem import Problem
-from surefoot.footholds.solve import cheapest
+from surefoot.footholds.solve import cheapest, slack
 from surefoot.footholds.tables import Tables, Trial, polygons_after
 
-_HOT, _WARM, _COOL, _COLD = 0.1, 0.02, 0.005, 5e-4
+_HOT, _WARM, _COOL, _COLD = 0.1, 0.03, 0.005, 2e-3
 _FIRST_ROUND, _GROWTH = 200, 1.2
 _POLYGON_SHARE = 0.25
 _NEAR_M = 0.4
@@ -39,7 +40,7 @@ class Annealing:
     Args:
         problem: its gait is free.
         parts: of the programs.
-        starts: named contact tables; the first of every name that has a plan is the start of a round.
+        starts: named contact tables; some that have a plan are starts of rounds, one of every family.
         stop: asked in the middle of long searches.
 
     Attributes:
@@ -57,7 +58,6 @@ class Annealing:
         self.best: Trial | None = None
         self.polished: Trial | None = None
         self.starts = starts
-        self.begun: set[tuple[str, int]] = set()
         self.others = self._others()
         self.scale, self.heat = 0.0, _COOL
         self.chance = np.random.default_rng(0)
@@ -113,28 +113,25 @@ class Annealing:
 
     def _others(self) -> Iterator[Trial]:
         """Yield plans to begin rounds with, of different families: the cheapest first where they are found quickly."""
-        if self.plain:
-            begun = [(one, name) for name, cells in self.starts for one in [self._begun(cells)] if one is not None]
-            for one, name in sorted(begun, key=lambda pair: pair[0].value):
-                if (name, len(one.choice)) not in self.begun:
-                    self.begun.add((name, len(one.choice)))
-                    yield one
-            return
-        for name, cells in self.starts:
-            if (name, 0) not in self.begun and not self.stop():
-                at = fixed(self.problem, cells)
-                rough = replace(at, options=replace(at.options, gap=_ROUGH_GAP))
-                choice = cheapest(rough, cancelled=self.stop, worth=np.inf, parts=self.parts)[1]
-                found = None if choice is None else self._tried(cells, choice, np.inf)
-                if found is not None:
-                    self.begun.add((name, 0))
-                    yield found
+        begun = ((name, self._begun(cells)) for name, cells in self.starts)
+        found = ((name, one) for name, one in begun if one is not None)
+        known: set[tuple[str, int]] = set()
+        for name, one in sorted(found, key=lambda pair: pair[1].value) if self.plain else found:
+            family = (name, len(one.choice) if self.plain else 0)
+            if family not in known:
+                known.add(family)
+                yield one
 
     def _begun(self, cells: Cells) -> Trial | None:
-        """Return a plan of a contact table on the polygons that are nearest to where its feet are expected."""
+        """Return a plan of a contact table: on the polygons nearest to where its feet are expected, or searched."""
         if self.best is None or self.stop():
             return None
-        return self._tried(cells, self.tables.nearest(cells), _HOPELESS * self.best.value)
+        if self.plain:
+            return self._tried(cells, self.tables.nearest(cells), _HOPELESS * self.best.value)
+        at = fixed(self.problem, cells)
+        rough = replace(at, options=replace(at.options, gap=_ROUGH_GAP))
+        choice = cheapest(rough, cancelled=self.stop, worth=np.inf, parts=self.parts)[1]
+        return None if choice is None else self._tried(cells, choice, np.inf)
 
     def _polished(self) -> Trial | None:
         """Search the polygons of the best plan; return what is better."""
@@ -165,11 +162,21 @@ class Annealing:
         """Return the plan of a contact table with given polygons, or None when it costs as much as ``worth``."""
         self.programs += 1
         if self.plain:
-            return self.tables.tried(cells, choice, worth, near)
+            found = self.tables.tried(cells, choice, worth, near)
+            if found is not None or np.isfinite(worth):
+                return found
         at = fixed(self.problem, cells)
-        if not at.options.moment_balance:
+        if at.options.collision:
             return self._searched(at, cells, worth)
-        node = WholeProgram(at).solve(choice)
+        program: ReducedProgram | WholeProgram
+        if at.options.moment_balance:
+            program = WholeProgram(at)
+            node = program.solve(choice)
+        else:
+            program = ReducedProgram(at, forces=False, parts=self.parts)
+            node = program.solve(choice)
+            if node.answer.feasible and node.answer.value < worth and not slack(at, program, choice, node):
+                node = ReducedProgram(at, forces=True, parts=self.parts).solve(choice)
         if not node.answer.feasible or not node.answer.value < worth:
             return None
         return Trial(cells, choice, node.answer.value, node.feet)

@@ -40,10 +40,12 @@ class Ascended:
     Attributes:
         prices: the last ones.
         mixture: what they prove at the last heat; None where no pattern is allowed.
+        early: whether it ended because enough was proved.
     """
 
     prices: Prices
     mixture: Mixture | None
+    early: bool
 
 
 def ascended(
@@ -67,17 +69,17 @@ def ascended(
     """
     layout = _Layout(pricing, start)
     at = layout.packed(start)
-    scale, last = _WORTH_SCALE * worth, None
+    scale, last, early = _WORTH_SCALE * worth, None, False
     for stage in stages:
         walk = _Walk(layout, stage.heat * worth, scale, enough, stop)
         answer = minimize(
             walk.value, at, jac=True, method="L-BFGS-B", bounds=layout.bounds, callback=walk.checked,
             options={"maxiter": stage.steps, "maxfun": 2 * stage.steps, "maxcor": _MEMORY, "ftol": _EASE, "gtol": 1e-9},
         )  # fmt: skip
-        at, last = answer.x, walk.last
-        if last is None or walk.ended:
+        at, last, early = answer.x, walk.last, walk.early
+        if last is None or early or stop():
             break
-    return Ascended(layout.prices(at), last)
+    return Ascended(layout.prices(at), last, early)
 
 
 class _Walk:
@@ -86,7 +88,7 @@ class _Walk:
     def __init__(self, layout: _Layout, heat: float, scale: float, enough: float, stop: Callable[[], bool]) -> None:
         self.layout, self.heat, self.scale, self.enough, self.stop = layout, heat, scale, enough, stop
         self.last: Mixture | None = None
-        self.ended = False
+        self.early = False
 
     def value(self, at: Array) -> tuple[float, Array]:
         mixture = mixture_at(self.layout.pricing, self.layout.prices(at), self.heat)
@@ -99,8 +101,8 @@ class _Walk:
 
     def checked(self, intermediate_result: object) -> None:
         fun = float(intermediate_result.fun)  # type: ignore[attr-defined]
-        self.ended = self.stop() or -fun * self.scale > self.enough
-        if self.ended:
+        self.early = -fun * self.scale > self.enough
+        if self.early or self.stop():
             raise StopIteration
 
 

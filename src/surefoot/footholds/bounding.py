@@ -18,8 +18,8 @@ from surefoot.footholds.swings import swing_of
 from surefoot.footholds.tube import Tube, everywhere, tube_below
 
 _GUIDE_BOXES, _BOXES = 32, 48
-_FIRST_STAGES = (Stage(2e-2, 60), Stage(4e-3, 40), Stage(1e-3, 60))
-_SECOND_STAGES = (Stage(5e-3, 30), Stage(1.5e-3, 30), Stage(5e-4, 60))
+_FIRST_STAGES = (Stage(6e-3, 50), Stage(1e-3, 40))
+_SECOND_STAGES = (Stage(6e-4, 60),)
 _ROUND = 600
 _SPLIT = 0.7
 _MARGIN = 4e-3
@@ -103,7 +103,7 @@ class Bounding:
         found = ascended(self.guide, start, _SECOND_STAGES, worth, stop=stop)
         self.judge.confine(tube, region)
         priced = self.judge.at(found.prices)
-        root = Branch(region, tube, 0, found.prices, priced.bound, worth, found.mixture, priced.cells)
+        root = Branch(region, tube, 0, found.prices, priced.bound, worth, found.mixture, cells=priced.cells)
         self.tree = Branching(self.guide, self.judge, root, self._tube)
         return [priced.cells]
 

@@ -29,6 +29,7 @@ _CANDIDATES = 20
 _NEAREST_M = CLEAR_M + 2e-3
 _DEEPEST = 60
 _STALE = 0.998
+_AHEAD = 1.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +53,7 @@ class Branch:
         bound: of all plans whose base stays in the region and that cost less than the worth.
         worth: which it was found for.
         mixture: at its prices; None where there is nothing left to cut.
+        early: whether better prices were not looked for, as the bound was high enough for the time being.
         cells: the cheapest pattern of every foot at its prices.
         cut: how it was cut in two, if it was.
         parts: below and above the cut.
@@ -64,6 +66,7 @@ class Branch:
     bound: float
     worth: float
     mixture: Mixture | None = None
+    early: bool = False
     cells: Cells | None = None
     cut: Cut | None = None
     parts: tuple[Branch, Branch] | None = None
@@ -93,20 +96,21 @@ class Branching:
     def stuck(self) -> bool:
         """Whether the leaf with the least bound cannot be cut."""
         leaf = self.open[0][2]
-        return leaf.mixture is None or leaf.depth >= _DEEPEST or self._cut(leaf) is None
+        return not leaf.early and self._cut(leaf) is None
 
     def grow(self, worth: float, stop: Callable[[], bool]) -> list[Cells]:
         """Cut the leaf with the least bound in two; return the contact tables that the prices of the halves suggest."""
         _, _, leaf = heapq.heappop(self.open)
-        cut = None if worth < _STALE * leaf.worth else self._cut(leaf)
+        cut = None if leaf.early or worth < _STALE * leaf.worth else self._cut(leaf)
         if cut is None:
-            self._raise(leaf, worth, stop)
+            self._raise(leaf, worth, worth, stop)
             self._push(leaf)
             return [] if leaf.cells is None else [leaf.cells]
         regions = leaf.region.halves(cut.sample, cut.axis, cut.at_m)
         below, above = (Branch(one, one, leaf.depth + 1, leaf.prices, leaf.bound, worth) for one in regions)
+        enough = min(worth, _AHEAD * self.open[0][0]) if self.open else worth
         for part in (below, above):
-            self._raise(part, worth, stop)
+            self._raise(part, worth, enough, stop)
         leaf.cut, leaf.parts, leaf.mixture = cut, (below, above), None
         self._push(below)
         self._push(above)
@@ -116,16 +120,16 @@ class Branching:
         self.count += 1
         heapq.heappush(self.open, (leaf.bound, self.count, leaf))
 
-    def _raise(self, branch: Branch, worth: float, stop: Callable[[], bool]) -> None:
-        """Look for prices of a part; keep them if they prove more than the whole did."""
+    def _raise(self, branch: Branch, worth: float, enough: float, stop: Callable[[], bool]) -> None:
+        """Look for prices of a part that prove enough; keep them if they prove more than the whole did."""
         tube = self.tube_of(branch.region, worth)
         branch.worth, branch.tube = worth, tube
         if tube.empty:
             branch.bound = np.inf
             return
         self.guide.confine(tube, branch.region)
-        found = ascended(self.guide, branch.prices, _STAGES, worth, enough=worth, stop=stop)
-        branch.mixture = found.mixture
+        found = ascended(self.guide, branch.prices, _STAGES, worth, enough=enough, stop=stop)
+        branch.mixture, branch.early = found.mixture, found.early and enough < worth
         self.judge.confine(tube, branch.region)
         priced = self.judge.at(found.prices)
         if priced.bound >= branch.bound:

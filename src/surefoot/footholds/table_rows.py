@@ -21,7 +21,7 @@ FORCE_SCALE = 1e-3
 """Metres to the newton or newton metre, where violations are compared."""
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@numba.njit(cache=True, error_model="numpy")
 def write_row(
     given: Givens, system: System, polygons: Index, name: Index, at: Index, factor: Array
 ) -> tuple[int, float]:
@@ -38,7 +38,7 @@ def write_row(
     return _place(given, system, polygons, name, at, factor)
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@numba.njit(cache=True, error_model="numpy")
 def _bend(
     given: Givens, sample: int, axis: int, size: float, count: int, limit: float, at: Index, factor: Array
 ) -> tuple[int, float]:
@@ -56,7 +56,7 @@ def _bend(
     return count, limit
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@numba.njit(cache=True, error_model="numpy")
 def force_limit(given: Givens, polygon: int, foot: int, number: int, axis: int) -> float:
     """Return an entry of a limit on the force of a foot: a torque, its negative, or a row of the friction pyramid."""
     if number < TORQUES:
@@ -64,7 +64,7 @@ def force_limit(given: Givens, polygon: int, foot: int, number: int, axis: int) 
     return float(given.pyramids[polygon, number - TORQUES, axis])
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@numba.njit(cache=True, error_model="numpy")
 def _force(given: Givens, system: System, polygons: Index, name: Index, at: Index, factor: Array) -> tuple[int, float]:
     _, sample, foot, number = name
     support = system.supports[sample, foot]
@@ -82,7 +82,7 @@ def _force(given: Givens, system: System, polygons: Index, name: Index, at: Inde
     return count, limit
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@numba.njit(cache=True, error_model="numpy")
 def _reach(given: Givens, system: System, name: Index, at: Index, factor: Array) -> tuple[int, float]:
     _, sample, number, bound = name
     axis, sign, count = bound // 2, 1.0 - 2.0 * (bound % 2), 0
@@ -105,7 +105,7 @@ def _reach(given: Givens, system: System, name: Index, at: Index, factor: Array)
     return count, limit
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@numba.njit(cache=True, error_model="numpy")
 def _clearance(given: Givens, system: System, name: Index, at: Index, factor: Array) -> tuple[int, float]:
     _, number, sample, side = name
     foot, lift, touch = system.steps[number]
@@ -119,7 +119,7 @@ def _clearance(given: Givens, system: System, name: Index, at: Index, factor: Ar
     return 2, given.clearance_m
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@numba.njit(cache=True, error_model="numpy")
 def _place(given: Givens, system: System, polygons: Index, name: Index, at: Index, factor: Array) -> tuple[int, float]:
     kind, number, side, _ = name
     polygon, count = polygons[number], 0

@@ -46,7 +46,6 @@ class Tables:
 
     def __init__(self, problem: Problem) -> None:
         self.given, self.per = givens_of(problem), cell_samples(problem)
-        self.problem = problem
 
     def tried(self, cells: Cells, choice: Choice, worth: float, near: Trial | None = None) -> Trial | None:
         """Return the plan of a contact table with given polygons, or None when it costs as much as ``worth``."""
@@ -67,8 +66,9 @@ class Tables:
         for number, (foot, _, touch) in enumerate(steps):
             leave = steps[number + 1, 1] if number + 1 < len(steps) and steps[number + 1, 0] == foot else last
             point = self.given.feet_m[(touch + leave) // 2, foot]
-            away = [float(np.linalg.norm(one.nearest(point) - point)) for one in self.problem.polygons]
-            found.append((int(np.argmin(away)),))
+            beside = np.maximum((self.given.planes @ point - self.given.bounds).max(axis=1), 0.0)
+            above = self.given.normals @ point - self.given.offsets
+            found.append((int(np.argmin(beside**2 + above**2)),))
         return tuple(found)
 
     def near(self, plan: Trial, number: int, reach_m: float) -> list[int]:

@@ -115,7 +115,7 @@ def _layout(occupancy: OccupancyMap, cell_size_m: float, robot: str) -> Layout:
 
 
 def _inflation_m(cell_size_m: float, robot: str) -> float:
-    from surefoot.missions.biped_scene import inflation_m
+    from surefoot.missions.scenario.scene import inflation_m
     from surefoot.robots import biped
     from surefoot.walking import step_library, walking_parameters
 
@@ -187,7 +187,7 @@ def _first_that_plans(
     time_limit_s: float,
 ) -> tuple[_Draft, bool | None]:
     """Return the first draft for which there is a plan, or the last one, and whether there is one for it."""
-    from surefoot.missions.planning import plan_mission
+    from surefoot.missions.plans.planning import plan_mission
 
     drafts = tuple(_drafts(layout))
     with tempfile.TemporaryDirectory(prefix="surefoot-") as name:

@@ -34,58 +34,58 @@ def verify_path(path: Path | str, specification: Path | None = None) -> Report:
     ledger = Ledger()
     foothold_plan = _foothold_plan(path)
     if foothold_plan is not None:
-        from surefoot.verify.footholds import check_footholds
+        from surefoot.verify.footholds.check import check_footholds
 
         check_footholds(foothold_plan, ledger)
         return ledger.report("foothold-plan")
     if _kind(path) == "gr1-strategy":
-        from surefoot.verify.gr1_check import check_strategy
+        from surefoot.verify.gr1.check import check_strategy
 
         check_strategy(path, ledger, specification)
         return ledger.report("gr1-strategy")
     if _kind(path) == "gr1-ranking":
-        from surefoot.verify.gr1_ranking import check_ranking
+        from surefoot.verify.gr1.ranking import check_ranking
 
         check_ranking(path, ledger, specification)
         return ledger.report("gr1-ranking")
     library = path / "library.json" if path.is_dir() else path
     if specification is None and _kind(library) == "skill-library":
-        from surefoot.verify.skills import check_library
+        from surefoot.verify.skills.library import check_library
 
         check_library(library, ledger)
         return ledger.report("skill-library")
     if _is_quadruped_terrain(path):
-        from surefoot.verify.laid_terrain import check_laid_terrain
+        from surefoot.verify.terrain.laid import check_laid_terrain
 
         check_laid_terrain(path, ledger)
         return ledger.report("quadruped-terrain")
     if _kind(path) == "terrain":
-        from surefoot.verify.terrain_polygons import check_terrain
+        from surefoot.verify.terrain.polygons import check_terrain
 
         check_terrain(path, ledger)
         return ledger.report("terrain")
     region = path.with_suffix(".json") if path.suffix == ".npz" else path
     if specification is None and _kind(region) == "step-region":
-        from surefoot.verify.regions import check_region
+        from surefoot.verify.regions.check import check_region
 
         check_region(path, ledger)
         return ledger.report("step-region")
     if specification is not None:
         raise InputError("is no strategy, and only strategies have a specification", source=path)
     if (folder / "run.jsonl").is_file() and path.name != "plan.json":
-        from surefoot.verify.quadruped_file import is_quadruped_run
+        from surefoot.verify.quadruped.file import is_quadruped_run
 
         if is_quadruped_run(folder):
-            from surefoot.verify.quadruped_run import check_quadruped_run
+            from surefoot.verify.quadruped.run import check_quadruped_run
 
             check_quadruped_run(folder, ledger)
             return ledger.report("quadruped-run")
-        from surefoot.verify.run_check import check_run
+        from surefoot.verify.runs.check import check_run
 
         check_run(folder, ledger)
         return ledger.report("biped-run")
     if (folder / "plan.json").is_file():
-        from surefoot.verify.plan_check import check_plan
+        from surefoot.verify.plan.check import check_plan
 
         check_plan(folder, ledger)
         return ledger.report("biped-plan")

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from surefoot.frames import Cell
-from surefoot.missions.run_log import Step, Turn
+from surefoot.missions.biped.run_log import Step, Turn
 from surefoot.viewer import style
 from surefoot.viewer.bags.ros_messages import (
     CUBE,

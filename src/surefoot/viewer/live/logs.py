@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from surefoot.missions.run_log import Run, read_run
+from surefoot.missions.biped.run_log import Run, read_run
 from surefoot.viewer.browser.recording import Moving
 from surefoot.viewer.kinds import is_quadruped_run
 from surefoot.viewer.robots.bodies import chosen_body

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.missions.run_log import MAX_LINE
+from surefoot.missions.biped.run_log import MAX_LINE
 from surefoot.viewer.browser.page import HOST, server
 from surefoot.viewer.browser.recording import Moving
 from surefoot.viewer.live.logs import Growing, growing

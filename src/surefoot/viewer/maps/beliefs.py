@@ -14,8 +14,8 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from surefoot.frames import Cell, Direction
-from surefoot.missions.monitor import VIOLATIONS
-from surefoot.missions.run_log import Turn
+from surefoot.missions.biped.monitor import VIOLATIONS
+from surefoot.missions.biped.run_log import Turn
 from surefoot.viewer import style
 from surefoot.viewer.maps.ground import draw_lines, fill_cells, frame, size_in
 from surefoot.viewer.maps.marks import goal_key, mark_goals, mark_obstacle, mark_robot, robot_key

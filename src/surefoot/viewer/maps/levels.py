@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from surefoot.frames import Direction
-from surefoot.missions.scenario import Scenario
+from surefoot.missions.scenario.file import Scenario
 from surefoot.viewer import style
 from surefoot.viewer.sources.cells import points_m
 from surefoot.world import CoarseGrid, Rectangle

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch, Rectangle
 from numpy.typing import NDArray
 
 from surefoot.frames import Cell, Direction
-from surefoot.missions.run_log import Run, Step
+from surefoot.missions.biped.run_log import Run, Step
 from surefoot.viewer import style
 from surefoot.viewer.maps.ground import draw_blocked, draw_lines, draw_pixels, frame, ground_keys, number_cells, size_in
 from surefoot.viewer.maps.levels import draw_levels

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from surefoot.frames import Cell, Direction
-from surefoot.missions.scenario import Scenario, read_scenario
+from surefoot.missions.scenario.file import Scenario, read_scenario
 from surefoot.viewer import style
 from surefoot.viewer.maps.ground import (
     draw_blocked,
@@ -106,7 +106,7 @@ def draw_layout(layout: Layout, path: Path) -> Path:
 
 
 def _grid(scenario: Scenario, occupancy: OccupancyMap) -> CoarseGrid:
-    from surefoot.missions.biped_scene import inflation_m
+    from surefoot.missions.scenario.scene import inflation_m
     from surefoot.robots import biped
     from surefoot.walking import walking_parameters
 

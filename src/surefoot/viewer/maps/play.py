@@ -13,8 +13,8 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from surefoot.frames import Cell
-from surefoot.missions.biped_scene import read_biped_scene
-from surefoot.missions.coarse_play import Play, coarse_play
+from surefoot.missions.biped.coarse_play import Play, coarse_play
+from surefoot.missions.scenario.scene import read_biped_scene
 from surefoot.viewer import style
 from surefoot.viewer.maps.ground import draw_blocked, draw_lines, draw_pixels, frame, ground_keys, size_in
 from surefoot.viewer.maps.levels import draw_levels

@@ -18,7 +18,7 @@ from surefoot.logic import read_specification
 from surefoot.logic.ranking import Ranking
 from surefoot.logic.ranking_file import SavedRanking
 from surefoot.logic.syntax import Specification
-from surefoot.verify.gr1_sets import Sets, Translator
+from surefoot.verify.gr1.sets import Sets, Translator
 
 STEPS = 60
 SEED = 0

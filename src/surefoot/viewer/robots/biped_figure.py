@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surefoot.missions.run_log import Step
+from surefoot.missions.biped.run_log import Step
 from surefoot.viewer import style
 from surefoot.viewer.browser.page import colour
 from surefoot.viewer.robots.biped_body import biped_body

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.frames import Cell
-from surefoot.missions.run_log import Step
+from surefoot.missions.biped.run_log import Step
 from surefoot.viewer import style
 from surefoot.viewer.browser.page import Cameras, add_solid, arrow_colour, colour
 from surefoot.viewer.browser.scenery import light

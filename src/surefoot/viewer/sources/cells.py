@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.frames import Cell
-from surefoot.missions.biped_scene import scenario_heights
+from surefoot.missions.scenario.scene import scenario_heights
 from surefoot.viewer.sources.plans import PlanSource
 from surefoot.world import CoarseGrid, HeightMap
 

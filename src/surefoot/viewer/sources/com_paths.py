@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from surefoot.missions.run_log import Step
+from surefoot.missions.biped.run_log import Step
 
 _SAMPLES = 12
 ARC_SAMPLES = 30

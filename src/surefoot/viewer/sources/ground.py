@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
-from surefoot.missions.quadruped_events import Happening
-from surefoot.missions.quadruped_world import World
+from surefoot.missions.quadruped.events import Happening
+from surefoot.missions.quadruped.world import World
 from surefoot.skills import read_terrain
 from surefoot.skills.patches import Rectangle
 from surefoot.viewer.remarks import Say, silent

@@ -12,9 +12,9 @@ import numpy as np
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
 from surefoot.frames import Cell
-from surefoot.missions.plan_document import read_plan_document
-from surefoot.missions.run_log import Run, read_run
-from surefoot.missions.scenario import Scenario, read_scenario
+from surefoot.missions.biped.run_log import Run, read_run
+from surefoot.missions.plans.document import read_plan_document
+from surefoot.missions.scenario.file import Scenario, read_scenario
 from surefoot.navigation import NavigationStrategy, load_navigation_strategy
 from surefoot.world import CoarseGrid, OccupancyMap, read_occupancy_map
 

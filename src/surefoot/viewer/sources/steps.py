@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.frames import Foot
-from surefoot.missions.run_log import Run, Step, StepPush
+from surefoot.missions.biped.run_log import Run, Step, StepPush
 from surefoot.viewer.sources.com_paths import orbit
 from surefoot.walking import Trajectory, WalkingStep, sample_trajectory
 

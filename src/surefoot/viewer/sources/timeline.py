@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from surefoot.errors import InputError
 from surefoot.frames import Cell
-from surefoot.missions.run_log import Step, Turn
+from surefoot.missions.biped.run_log import Step, Turn
 from surefoot.viewer.sources.cells import centre_m, floor_m, heights_of
 from surefoot.viewer.sources.plans import RunSource, read_run_source
 from surefoot.viewer.sources.steps import step_curves

@@ -11,7 +11,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from surefoot.missions.run_log import Step
+from surefoot.missions.biped.run_log import Step
 from surefoot.viewer import style
 from surefoot.viewer.maps.paths import footprint
 from surefoot.viewer.sources.com_paths import com_path_m, local

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from surefoot.missions.run_log import Step
+from surefoot.missions.biped.run_log import Step
 from surefoot.viewer import style
 from surefoot.viewer.sources.com_paths import turned
 from surefoot.viewer.sources.plans import RunSource

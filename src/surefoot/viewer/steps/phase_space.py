@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from surefoot.missions.run_log import Run, Step
+from surefoot.missions.biped.run_log import Run, Step
 from surefoot.viewer import style
 from surefoot.viewer.sources.com_paths import halves, local, turned
 from surefoot.viewer.sources.plans import RunSource

@@ -14,11 +14,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from surefoot.errors import InputError
-from surefoot.missions.biped_scene import read_biped_scene
-from surefoot.missions.plan_reader import BipedPlan, read_plan
-from surefoot.missions.push_motion import step_controller
-from surefoot.missions.pushed_step import transition
-from surefoot.missions.run_log import Run, Step
+from surefoot.missions.biped.run_log import Run, Step
+from surefoot.missions.plans.reader import BipedPlan, read_plan
+from surefoot.missions.pushes.motion import step_controller
+from surefoot.missions.pushes.step import transition
+from surefoot.missions.scenario.scene import read_biped_scene
 from surefoot.navigation import Action, FineState, Moved, apply_action, deviations, displace_action
 from surefoot.viewer import style
 from surefoot.viewer.sources.com_paths import arcs, local, turned

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from surefoot.missions.biped_scene import BipedScene
+from surefoot.missions.scenario.scene import BipedScene
 from surefoot.navigation import BeliefAnswer
 from surefoot.viewer import style
 from surefoot.viewer.maps.ground import draw_blocked, draw_lines, draw_pixels, fill_cells, frame, size_in

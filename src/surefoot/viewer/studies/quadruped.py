@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from surefoot.missions.bench_campaign import Campaign
-from surefoot.missions.bench_detours import Detour, records
-from surefoot.missions.bench_quadruped import Measured
-from surefoot.missions.bench_straight import WIDEST_M, Steps, Straight, by_heuristic
-from surefoot.missions.bench_tables import TurnedRow, turned_rows
+from surefoot.missions.bench.campaign import Campaign
+from surefoot.missions.bench.detours import Detour, records
+from surefoot.missions.bench.quadruped import Measured
+from surefoot.missions.bench.straight import WIDEST_M, Steps, Straight, by_heuristic
+from surefoot.missions.bench.tables import TurnedRow, turned_rows
 from surefoot.skills import QuadrupedTerrain, read_terrain
 from surefoot.viewer import style
 from surefoot.viewer.terrain.runs import draw_map, inches

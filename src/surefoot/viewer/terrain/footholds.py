@@ -19,6 +19,8 @@ from surefoot.viewer import style
 from surefoot.viewer.sources.foothold_motion import read_foothold_plan
 from surefoot.viewer.style import FOOT_COLOURS, FOOT_LABELS
 
+_FORCE_WIDTHS = (3.6, 3.6, 1.4, 1.4)
+"""Feet on a diagonal often carry the same: those drawn first show beneath the others."""
 _NEWTONS_PER_METRE = 600.0
 _FRAMES_PER_SECOND = 20
 
@@ -53,7 +55,8 @@ def _title(answer: dict[str, Any]) -> str:
     if answer["verdict"] != "feasible":
         why = answer["explanation"]["text"] if answer["explanation"] else answer["limit"] or ""
         return shorten(f"{answer['verdict']}: {why}", 110, placeholder=" ...")
-    return f"feasible, objective {answer['objective']:.1f}, gap {answer['gap']:.1e}"
+    gap = "no bound" if answer["gap"] is None else f"gap {answer['gap']:.1e}"
+    return f"feasible, objective {answer['objective']:.1f}, {gap}"
 
 
 def _terrain(above: Axes, side: Axes, values: dict[str, Any]) -> None:
@@ -94,8 +97,8 @@ def _paths(above: Axes, side: Axes, document: dict[str, Any]) -> None:
 def _forces(axes: Axes, document: dict[str, Any]) -> None:
     forces = np.array(document["motion"]["forces_n"])
     times = np.arange(len(forces)) * document["values"]["step_s"]
-    for foot, colour in enumerate(FOOT_COLOURS):
-        axes.step(times, forces[:, foot, 2], color=colour, lw=1.2, where="post")
+    for (foot, colour), width in zip(enumerate(FOOT_COLOURS), _FORCE_WIDTHS, strict=True):
+        axes.step(times, forces[:, foot, 2], color=colour, lw=width, where="post")
     style.light_grid(axes)
     axes.set_xlabel("time [s]")
     axes.set_ylabel("vertical force [N]")

@@ -15,8 +15,8 @@ from matplotlib.patches import Rectangle as Box
 
 from surefoot.documents import read_json_object
 from surefoot.errors import InputError
-from surefoot.missions.quadruped_events import Happening
-from surefoot.missions.quadruped_world import World
+from surefoot.missions.quadruped.events import Happening
+from surefoot.missions.quadruped.world import World
 from surefoot.skills import QuadrupedTerrain, read_terrain
 from surefoot.skills.patches import Rectangle
 from surefoot.viewer import style

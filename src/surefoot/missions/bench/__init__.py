@@ -1,0 +1,1 @@
+"""What `surefoot bench` measures of missions, beside the papers' numbers."""

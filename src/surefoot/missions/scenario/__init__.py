@@ -1,0 +1,1 @@
+"""Scenario files of a biped, and the scene that they describe on their map."""

@@ -1,0 +1,1 @@
+"""Checks the run of a quadruped: its records, moves, events and end (docs/formats.md 12)."""

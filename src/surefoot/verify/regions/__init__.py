@@ -1,0 +1,1 @@
+"""Checks saved step regions: their sets by definition, their promise against an adversary."""
