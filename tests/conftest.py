@@ -8,6 +8,8 @@ import pytest
 
 REPOSITORY = Path(__file__).parents[1]
 SCENES = REPOSITORY / "scenes"
+DEPOT_SCENE = REPOSITORY / "tests" / "scenes" / "depot_mission.yaml"
+DEPOT = REPOSITORY.parent / "shared" / "data" / "maps" / "depot.yaml"
 
 
 @pytest.fixture(scope="session")
@@ -26,6 +28,14 @@ def two_rooms_plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def tutorial_plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a plan of the tutorial's scene."""
     return _planned(SCENES / "tutorial_mission.yaml", tmp_path_factory)
+
+
+@pytest.fixture(scope="session")
+def depot_plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a plan of the real depot."""
+    if not DEPOT.is_file():
+        pytest.skip("the depot map in ../shared/data is absent")
+    return _planned(DEPOT_SCENE, tmp_path_factory)
 
 
 def _planned(scenario: Path, folders: pytest.TempPathFactory) -> Path:

@@ -13,7 +13,7 @@ from surefoot.footholds.mixture import Mixture, mixture_at
 from surefoot.footholds.rows import Array
 from surefoot.footholds.sharing import Prices
 
-_REACH_SCALE, _PULL_SCALE, _CONTACT_SCALE, _WALL_SCALE = 1000.0, 3.0, 300.0, 1000.0
+_REACH_SCALE, _PULL_SCALE, _CONTACT_SCALE = 1000.0, 3.0, 300.0
 _WORTH_SCALE = 0.01
 _MEMORY = 20
 _EASE = 1e-6
@@ -60,7 +60,7 @@ def ascended(
     """Raise the smooth bound.
 
     Args:
-        pricing: its footholds are points; its region's bounds get multipliers.
+        pricing: its footholds are points.
         start: prices to start from.
         stages: one after the other.
         worth: cost of the best plan.
@@ -107,50 +107,36 @@ class _Walk:
 
 
 class _Layout:
-    """Prices as one vector: multipliers of upper and lower bounds apart, all of them positive.
+    """Prices as one vector: multipliers of upper and lower bounds of reach apart, both positive.
 
     Args:
-        pricing: whose region counts.
+        pricing: whose reach counts.
         start: whose split is kept.
     """
 
     def __init__(self, pricing: Pricing, start: Prices) -> None:
         self.pricing, self.split = pricing, start.split
-        region = pricing.region
-        self.shapes = start.reach.shape, start.pull.shape, start.contact.shape
-        self.below, self.above = np.isfinite(region.low_m), np.isfinite(region.high_m)
+        self.shapes = start.reach.shape, start.pull.shape
         sizes = [start.reach.size, start.reach.size, start.pull.size, start.contact.size]
-        sizes += [int(self.below.sum()), int(self.above.sum())]
         self.cuts = np.cumsum(sizes)[:-1]
-        scales = [_REACH_SCALE, _REACH_SCALE, _PULL_SCALE, _CONTACT_SCALE, _WALL_SCALE, _WALL_SCALE]
-        self.scales = np.repeat(scales, sizes)
-        signs = np.repeat([True, True, False, False, True, True], sizes)
-        self.bounds = [(0.0, None) if one else (None, None) for one in signs]
+        self.scales = np.repeat([_REACH_SCALE, _REACH_SCALE, _PULL_SCALE, _CONTACT_SCALE], sizes)
+        self.bounds = [(0.0, None)] * (2 * start.reach.size) + [(None, None)] * (sizes[2] + sizes[3])
 
     def packed(self, prices: Prices) -> Array:
         """Return prices as a vector."""
-        walls = np.zeros(self.shapes[1]) if prices.walls is None else prices.walls
         parts = [np.maximum(prices.reach, 0), np.maximum(-prices.reach, 0), prices.pull, prices.contact]
-        parts += [np.maximum(-walls[self.below], 0), np.maximum(walls[self.above], 0)]
         packed: Array = np.concatenate([part.ravel() for part in parts]) / self.scales
         return packed
 
     def prices(self, at: Array) -> Prices:
         """Return the prices of a vector."""
-        up, down, pull, contact, below, above = np.split(at * self.scales, self.cuts)
-        walls = None
-        if self.cuts[-1] > self.cuts[-2] or len(above):
-            walls = np.zeros(self.shapes[1])
-            walls[self.above] += above
-            walls[self.below] -= below
-        reach = (up - down).reshape(self.shapes[0])
-        return Prices(reach, pull.reshape(self.shapes[1]), contact, self.split, walls)
+        up, down, pull, contact = np.split(at * self.scales, self.cuts)
+        return Prices((up - down).reshape(self.shapes[0]), pull.reshape(self.shapes[1]), contact, self.split)
 
     def slope(self, at: Array, mixture: Mixture) -> tuple[float, Array]:
         """Return the value with what the bounds of Eq. (16) take away, and its slope."""
         up, down = np.split(at * self.scales, self.cuts)[:2]
-        reach, region = np.array(self.pricing.problem.robot.foot_reach_m), self.pricing.region
+        reach = np.array(self.pricing.problem.robot.foot_reach_m)
         taken = float(((up + down).reshape(self.shapes[0]) * reach).sum())
         slopes = [mixture.off_m - reach, -mixture.off_m - reach, mixture.draw, mixture.missing]
-        slopes += [(region.low_m - mixture.base_m)[self.below], (mixture.base_m - region.high_m)[self.above]]
         return mixture.value - taken, np.concatenate([one.ravel() for one in slopes]) * self.scales

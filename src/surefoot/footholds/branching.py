@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,8 +24,9 @@ from surefoot.footholds.tube import CLEAR_M, Tube, within_reach
 
 _STAGES = (Stage(6e-4, 30),)
 _LEAST_VIOLATION_M, _LEAST_SHARE = 0.003, 1e-6
-_NARROWEST_M = 0.005
+_NARROWEST_M, _WORTH_CUTTING_M = 0.005, 0.1
 _CANDIDATES = 20
+_ALONG = 0.5
 _NEAREST_M = CLEAR_M + 2e-3
 _DEEPEST = 60
 _STALE = 0.998
@@ -133,7 +134,7 @@ class Branching:
         self.judge.confine(tube, branch.region)
         priced = self.judge.at(found.prices)
         if priced.bound >= branch.bound:
-            branch.prices, branch.bound = found.prices, priced.bound
+            branch.prices, branch.bound = replace(found.prices, walls=priced.walls), priced.bound
         branch.cells = priced.cells if np.isfinite(priced.bound) else None
 
     def _cut(self, leaf: Branch) -> Cut | None:
@@ -152,7 +153,18 @@ class Branching:
             at = float(np.clip(mixture.base_m[sample, axis], low, high) + way)
             if low + _NARROWEST_M < at < high - _NARROWEST_M:
                 return Cut(sample, axis, at)
-        return None
+        return self._widest(leaf)
+
+    def _widest(self, leaf: Branch) -> Cut | None:
+        """Return a cut through the middle of the widest place of a leaf's tube, along the way or in height."""
+        ahead = np.abs(self.guide.problem.goal_m - self.guide.problem.start_m)[:2]
+        kept = np.append(ahead >= _ALONG * ahead.max(), True)
+        wide = (leaf.tube.high_m - leaf.tube.low_m)[:: self.guide.per] * kept
+        cell, axis = (int(one) for one in np.unravel_index(int(wide.argmax()), wide.shape))
+        if wide[cell, axis] < _WORTH_CUTTING_M:
+            return None
+        sample = cell * self.guide.per
+        return Cut(sample, axis, float((leaf.tube.low_m + leaf.tube.high_m)[sample, axis] / 2))
 
     def _violations(self, mixture: Mixture, tube: Tube) -> tuple[Array, Array]:
         """Return how far the base is too high, and too low, for what stands, and how much stands so.

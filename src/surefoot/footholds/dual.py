@@ -5,7 +5,7 @@ Two things couple the feet: the reach rows tie each of them to the base, and the
 coupling apart: the base is one linear system, and every foot a shortest path (``paths``). For any prices the sum is a
 lower bound of the cost of every gait; torque, collision and all of friction but a pyramid about the total force are
 left out, which only lowers it. Where the base is known to stay within a tube (``tube``), feet stand only where it keeps
-them within reach; where it is asked to stay within a region, multipliers on its bounds are prices too.
+them within reach; where it is asked to stay within a region, the best multipliers on its bounds are prices too.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
+import numba
 import numpy as np
 
 from surefoot.footholds.cells import Cells, cell_count, cell_samples
@@ -26,6 +27,7 @@ from surefoot.footholds.swings import SwingCosts, swing_costs
 from surefoot.footholds.tube import Tube, everywhere, reachable, tube_of_ends
 
 _LEVELS = 2
+_SWEEPS, _SWEPT_M = 300, 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,11 +38,49 @@ class Priced:
         bound: lower bound of the cost of base, feet and forces.
         cells: the cheapest pattern of every foot, shape (M, 4).
         base_m: shape (N, 3).
+        walls: see ``PricedBase``.
     """
 
     bound: float
     cells: Cells
     base_m: Array
+    walls: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PricedBase:
+    """The base's part of what prices prove.
+
+    Attributes:
+        value: its least cost.
+        path_m: where it is then, shape (N, 3).
+        force_n: what moves it so, shape (N, 3).
+        walls: multipliers on the bounds of its region that are best with these prices, shape (N, 3).
+    """
+
+    value: float
+    path_m: Array
+    force_n: Array
+    walls: Array
+
+
+@numba.njit(cache=True)
+def kept_between(spread: Array, places: Array, low: Array, high: Array) -> Array:
+    """Return multipliers that keep places - spread @ multipliers between bounds: positive at the upper ones.
+
+    Any of the right signs are sound; these come from sweeps over the places.
+    """
+    found = np.zeros(len(places))
+    for _ in range(_SWEEPS):
+        most = 0.0
+        for k in range(len(places)):
+            at = places[k] - spread[k] @ found + spread[k, k] * found[k]
+            new = (at - min(max(at, low[k]), high[k])) / spread[k, k]
+            most = max(most, abs(new - found[k]) * spread[k, k])
+            found[k] = new
+        if most < _SWEPT_M:
+            break
+    return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -154,41 +194,52 @@ class Pricing:
         """Return what prices prove."""
         problem, robot = self.problem, self.problem.robot
         world = np.einsum("iab,ijb->ija", problem.rotations, prices.reach)
-        base_value, base, _ = self.base(world.sum(axis=1), prices)
+        base = self.base(world.sum(axis=1), prices)
         left = left_over(savings(problem, prices), prices.contact)
         cells, feet_value = self.feet(world, prices.contact, self.allowed if allowed is None else allowed)
         ties = float((prices.reach * np.array(robot.feet_m)).sum())
         ties += float((np.abs(prices.reach) * np.array(robot.foot_reach_m)).sum())
-        return Priced(base_value + left + feet_value - ties, cells, base)
+        return Priced(base.value + left + feet_value - ties, cells, base.path_m, base.walls)
 
-    def base(self, world: Array, prices: Prices) -> tuple[float, Array, Array]:
-        """Return the base's least cost, its path and the force that moves it."""
+    def base(self, world: Array, prices: Prices) -> PricedBase:
+        """Return the base's part."""
         problem, weights, pull = self.problem, self.problem.weights, prices.pull
         mass, (hessian, inverse) = problem.robot.mass_kg, self.base_hessian(prices.split)
         alone = weights.acceleration * (1 - prices.split)
         reference, up = problem.base_reference_m, upwards(problem)
-        walls, beyond = self._walls(prices)
-        linear = walls - world - 2 * weights.position * reference + 2 * mass * self.second.T @ pull
+        linear = 2 * mass * self.second.T @ pull - world - 2 * weights.position * reference
         path = np.zeros_like(reference)
         path[0], path[-2:] = problem.start_m, problem.goal_m
         known = hessian @ path
         path[1:-2] = -inverse @ (linear + known)[1:-2]
+        walls, beyond = self._walls(path, inverse)
+        path[1:-2] -= inverse @ walls[1:-2]
         first = -mass * pull[0] / alone
-        value = float((path * (hessian @ path)).sum() / 2 + (linear * path).sum())
+        value = float((path * (hessian @ path)).sum() / 2 + ((linear + walls) * path).sum())
         value += weights.position * float((reference**2).sum()) - alone * float((first**2).sum())
         value += 2 * mass * float((pull @ up).sum())
         value += weights.acceleration * prices.split * len(path) * float(up @ up) - beyond
         acceleration = self.second @ path
         acceleration[0] = first
-        return value, path, mass * (acceleration + up)
+        return PricedBase(value, path, mass * (acceleration + up), walls)
 
-    def _walls(self, prices: Prices) -> tuple[Array, float]:
-        """Return the multipliers on the region's bounds, and the sum of multipliers times bounds."""
-        if prices.walls is None:
-            return np.zeros_like(prices.pull), 0.0
-        bounds = np.where(prices.walls > 0, self.region.high_m, self.region.low_m)
-        pressed = prices.walls != 0
-        return prices.walls, float((prices.walls[pressed] * bounds[pressed]).sum())
+    def _walls(self, path_m: Array, inverse: Array) -> tuple[Array, float]:
+        """Return the best multipliers on the region's bounds, and the sum of multipliers times bounds.
+
+        Args:
+            path_m: of the base without them, shape (N, 3).
+            inverse: of the base's Hessian between the ends.
+        """
+        walls, beyond, inner = np.zeros_like(path_m), 0.0, slice(1, -2)
+        for axis in range(3):
+            low, high = self.region.low_m[inner, axis], self.region.high_m[inner, axis]
+            cut = np.flatnonzero(np.isfinite(low) | np.isfinite(high))
+            if len(cut):
+                found = kept_between(inverse[np.ix_(cut, cut)], path_m[inner, axis][cut], low[cut], high[cut])
+                walls[inner, axis][cut] = found
+                bounds = np.where(found > 0, high[cut], low[cut])
+                beyond += float(found[found != 0] @ bounds[found != 0])
+        return walls, beyond
 
     def feet(self, world: Array, contact: Array, allowed: Index) -> tuple[Cells, float]:
         """Return every foot's cheapest pattern, and the cost of all."""
@@ -221,7 +272,7 @@ class Pricing:
         robot = self.problem.robot
         ties = float((prices.reach * np.array(robot.feet_m)).sum())
         ties += float((np.abs(prices.reach) * np.array(robot.foot_reach_m)).sum())
-        rest = self.base(world.sum(axis=1), prices)[0] - ties
+        rest = self.base(world.sum(axis=1), prices).value - ties
         unpaid = prices.contact[:, None] * np.arange(5) - savings(self.problem, prices)
         table = self.table(world, prices.contact)
         known: dict[tuple[int, bytes], float] = {}

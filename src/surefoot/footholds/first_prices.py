@@ -47,7 +47,7 @@ def repriced(pricing: Pricing, prices: Prices, split: float) -> Prices:
     """Return prices that pay a share of the base's acceleration with the force, and move the base as before."""
     problem = pricing.problem
     world = np.einsum("iab,ijb->ija", problem.rotations, prices.reach)
-    _, _, force = pricing.base(world.sum(axis=1), prices)
+    force = pricing.base(world.sum(axis=1), prices).force_n
     acceleration = force / problem.robot.mass_kg - upwards(problem)
     share = (split - prices.split) * problem.weights.acceleration / problem.robot.mass_kg
     shared = replace(prices, pull=prices.pull + share * acceleration, split=split)

@@ -39,6 +39,7 @@ _TRIES_BEFORE_DOUBT = 13
 _TRIES_BEFORE_EXACT = 160
 _SURE = 1.02
 _MOST_IDLE = 500
+_MOST_QUIET = 2
 _LAST_S, _EVER_S = 2.0, 1e4
 
 
@@ -179,10 +180,14 @@ class _Search:
         self.bounding = Bounding(self.problem)
         starts = first_templates(cell_count(self.problem), self.problem.options.min_dwell_cells)
         annealing = Annealing(self.problem, self.parts, starts, self.stop)
-        while not self.stop() and not self.close and annealing.idle < _MOST_IDLE:
+        quiet = 0
+        while not self.stop() and not self.close and not (annealing.idle >= _MOST_IDLE and self.bounding.stuck):
+            before = self.found.value
             self.anneal(annealing)
-            if not self.bounding.stuck:
-                self.climb(self.bounding)
+            quiet = 0 if self.found.value < before else min(quiet + 1, _MOST_QUIET)
+            for _ in range(1 + quiet):
+                if not self.close and not self.bounding.stuck:
+                    self.climb(self.bounding)
             for _ in range(_TRIES_PER_ROUND):
                 if self.stop() or self.close or not self.try_next():
                     break

@@ -47,21 +47,21 @@ def mixture_at(pricing: Pricing, prices: Prices, heat: float) -> Mixture:
     """
     problem = pricing.problem
     world = np.einsum("iab,ijb->ija", problem.rotations, prices.reach)
-    base_value, base, force = pricing.base(world.sum(axis=1), prices)
+    base = pricing.base(world.sum(axis=1), prices)
     left, parts = _numbers_of_feet(savings(problem, prices), prices.contact, heat)
     table = pricing.table(world, prices.contact)
     ways = [ways_of(charges_of(table, foot), heat) for foot in range(4)]
     held = np.sum([way.standing.sum(axis=1) for way in ways], axis=0)
     nominal = np.array(problem.robot.feet_m)
-    value = base_value + left + sum(way.value for way in ways) - float((prices.reach * nominal).sum())
+    value = base.value + left + sum(way.value for way in ways) - float((prices.reach * nominal).sum())
     with np.errstate(divide="ignore"):
         ease = np.repeat(parts @ (1 / dearness(problem, prices.split)), pricing.per)[:, None]
     return Mixture(
         value,
-        np.einsum("iba,ijb->ija", problem.rotations, _mean_path(table, world, ways) - base[:, None]) - nominal,
-        2 * force - 2 * shifted(problem, prices) * ease,
+        np.einsum("iba,ijb->ija", problem.rotations, _mean_path(table, world, ways) - base.path_m[:, None]) - nominal,
+        2 * base.force_n - 2 * shifted(problem, prices) * ease,
         parts @ _FEET - held,
-        base,
+        base.path_m,
         [way.standing for way in ways],
     )
 

@@ -34,7 +34,8 @@ class Prices:
         pull: y of every sample, shape (N, 3).
         contact: what a foot is paid for being in contact in a cell, shape (M,).
         split: s, which share of the base's acceleration is paid with the force, 0 to less than 1.
-        walls: of the bounds of the base's region, positive where the upper bound presses, shape (N, 3); None: none.
+        walls: of the bounds of the base's region, positive where the upper bound presses, shape (N, 3), as found last
+            (``Pricing`` finds the best ones itself); None: none.
     """
 
     reach: Array

@@ -63,8 +63,7 @@ def read_plan(folder: Path) -> PlanFile:
         InputError: a file is missing, truncated, stale or of another format.
     """
     path = folder / "plan.json"
-    fields = Fields.of(parse_json(read_bytes(path), path), path)
-    check_kind(fields, "biped-plan")
+    fields = read_fields(path, "biped-plan")
     fields.text("surefoot")
     if not fields.flag("realizable"):
         raise fields.wrong("realizable", "has to be true: an unrealizable scenario leaves no plan behind")
@@ -94,6 +93,13 @@ def check_kind(fields: Fields, kind: str) -> None:
         raise fields.wrong("kind", f"has to be {kind}")
     if fields.get("format") != 1 or type(fields.get("format")) is not int:
         raise fields.wrong("format", "is not known; this version reads format 1, a whole number")
+
+
+def read_fields(path: Path, kind: str) -> Fields:
+    """Return the object of a JSON file of a kind, format 1."""
+    fields = Fields.of(parse_json(read_bytes(path), path), path)
+    check_kind(fields, kind)
+    return fields
 
 
 def checked_file(fields: Fields, folder: Path, path_key: str = "path", hash_key: str = "sha256") -> Path:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surefoot.errors import InputError
-from surefoot.verify.artefacts import check_kind, checked_file, parse_json, read_bytes
+from surefoot.verify.artefacts import checked_file, read_fields
 from surefoot.verify.values import Fields
 
 Array = NDArray[np.float64]
@@ -79,8 +79,7 @@ def read_foothold_plan(path: Path) -> FootholdFile:
     Raises:
         InputError: it is no foothold plan, is not whole, or the problem file has changed.
     """
-    fields = Fields.of(parse_json(read_bytes(path), path), path)
-    check_kind(fields, "foothold-plan")
+    fields = read_fields(path, "foothold-plan")
     try:
         return _read(path, fields)
     except BROKEN as problem:

@@ -14,7 +14,11 @@ from numpy.typing import NDArray
 from surefoot.errors import InputError
 from surefoot.logic.readers import read_specification
 from surefoot.logic.syntax import Specification
-from surefoot.verify.artefacts import LARGEST_ARRAYS_BYTES, check_kind, checked_file, parse_json, read_bytes
+from surefoot.verify.artefacts import (
+    LARGEST_ARRAYS_BYTES,
+    checked_file,
+    read_fields,
+)
 from surefoot.verify.values import Fields
 
 NO_MOVE = -(2**31)
@@ -61,10 +65,7 @@ def read_strategy(path: Path, specification_path: Path | None = None) -> Strateg
     Raises:
         InputError: a file is missing, malformed, or the specification is another one.
     """
-    fields = Fields.of(parse_json(read_bytes(path), path), path)
-    check_kind(fields, "gr1-strategy")
-    specification = specification_of(fields, path, specification_path)
-    check_variables(fields, specification)
+    fields, specification = opened(path, "gr1-strategy", specification_path)
     player = fields.text("player", among=("system", "environment"))
     names = [name for name in _SHAPES if player == "environment" or name not in ("moves", "initial_inputs")]
     arrays = _arrays(fields, path, names)
@@ -84,7 +85,15 @@ def read_strategy(path: Path, specification_path: Path | None = None) -> Strateg
     )
 
 
-def specification_of(fields: Fields, path: Path, given: Path | None) -> Specification:
+def opened(path: Path, kind: str, specification_path: Path | None) -> tuple[Fields, Specification]:
+    """Return the object of a file of a kind, and the specification that it was made for, whose variables it has."""
+    fields = read_fields(path, kind)
+    specification = _specification_of(fields, path, specification_path)
+    _check_variables(fields, specification)
+    return fields, specification
+
+
+def _specification_of(fields: Fields, path: Path, given: Path | None) -> Specification:
     """Return the specification that a strategy was made for, from where it is now or where the strategy says."""
     place = fields.mapping("specification")
     expected = place.text("sha256")
@@ -99,7 +108,7 @@ def specification_of(fields: Fields, path: Path, given: Path | None) -> Specific
     return found
 
 
-def check_variables(fields: Fields, specification: Specification) -> None:
+def _check_variables(fields: Fields, specification: Specification) -> None:
     """Refuse a strategy over other variables than those of its specification."""
     for side, variables in (("inputs", specification.inputs), ("outputs", specification.outputs)):
         expected: list[dict[str, object]] = [

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from surefoot.logic.syntax import Specification
-from surefoot.verify.artefacts import check_kind, parse_json, read_bytes
-from surefoot.verify.gr1.file import Ints, arrays_beside, check_variables, specification_of, whole_numbers
+from surefoot.verify.gr1.file import Ints, arrays_beside, opened, whole_numbers
 from surefoot.verify.values import Fields
 
 _SINGLE = ("env_init", "sys_init", "winning")
@@ -44,10 +43,7 @@ def read_ranking(path: Path, specification_path: Path | None = None) -> RankingF
     Raises:
         InputError: a file is missing, malformed, or the specification is another one.
     """
-    fields = Fields.of(parse_json(read_bytes(path), path), path)
-    check_kind(fields, "gr1-ranking")
-    specification = specification_of(fields, path, specification_path)
-    check_variables(fields, specification)
+    fields, specification = opened(path, "gr1-ranking", specification_path)
     fields.text("player", among=("system",))
     kept = arrays_beside(fields.mapping("arrays"), path, (*_SINGLE, *_COLUMNS, *_LAYERS))
     arrays = {name: whole_numbers(kept, name, 0 if name in _SINGLE else 1) for name in (*_SINGLE, *_COLUMNS, *_LAYERS)}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from surefoot.errors import InputError
-from surefoot.verify.artefacts import check_kind, checked_file, parse_json, read_bytes
+from surefoot.verify.artefacts import check_kind, checked_file, parse_json, read_bytes, read_fields
 from surefoot.verify.terrain.map import MapFile, read_map
 from surefoot.verify.values import Fields
 
@@ -53,8 +53,7 @@ def read_quadruped_run(folder: Path) -> QuadrupedRun:
     library = None
     if header.get("library") is not None:
         file = checked_file(header.mapping("library"), folder)
-        library = Fields.of(parse_json(read_bytes(file), file), file)
-        check_kind(library, "skill-library")
+        library = read_fields(file, "skill-library")
     for record in lines[1:]:
         record.text("record", among=RECORDS[1:])
     ground = read_map(terrain, header.text("classes"))

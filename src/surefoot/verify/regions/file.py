@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from surefoot.compute import sha256_of
 from surefoot.errors import InputError
-from surefoot.verify.artefacts import LARGEST_ARRAYS_BYTES, check_kind, parse_json, read_bytes
+from surefoot.verify.artefacts import LARGEST_ARRAYS_BYTES, read_fields
 from surefoot.verify.values import Fields
 
 KIND = "step-region"
@@ -90,8 +90,7 @@ def read_region(path: Path) -> RegionFile:
         InputError: a file is missing, truncated, stale or of another version.
     """
     document = path.with_suffix(".json")
-    fields = Fields.of(parse_json(read_bytes(document), document), document)
-    check_kind(fields, KIND)
+    fields = read_fields(document, KIND)
     step, settings = fields.mapping("transition"), fields.mapping("settings")
     grid, disturbance = settings.mapping("grid"), settings.mapping("disturbance")
     length = _decimal(step, "step_length_m")

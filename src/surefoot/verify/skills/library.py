@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from surefoot.compute import sha256_of
-from surefoot.verify.artefacts import check_kind, parse_json, read_bytes
+from surefoot.verify.artefacts import read_fields
 from surefoot.verify.findings import Ledger
 from surefoot.verify.skills.claims import check_claims
 from surefoot.verify.skills.moves import (
@@ -45,8 +45,7 @@ def check_library(path: Path, ledger: Ledger) -> None:
     Raises:
         InputError: a file cannot be read, or the terrain file is another one than the library was made for.
     """
-    fields = Fields.of(parse_json(read_bytes(path), path), path)
-    check_kind(fields, "skill-library")
+    fields = read_fields(path, "skill-library")
     terrain = _terrain_file(fields.mapping("terrain"), path.parent)
     classes = tuple(_text(name, fields, "classes") for name in fields.items("classes"))
     headings = Headings.of(fields, classes)

@@ -16,7 +16,7 @@ import shapely  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from surefoot.errors import InputError
-from surefoot.verify.artefacts import check_kind, parse_json, read_bytes
+from surefoot.verify.artefacts import read_fields
 from surefoot.verify.findings import Ledger
 from surefoot.verify.terrain.statements import (
     Piece,
@@ -51,8 +51,7 @@ def check_terrain(path: Path, ledger: Ledger) -> None:
     Raises:
         InputError: the file or its scan cannot be read, or the scan has changed.
     """
-    fields = Fields.of(parse_json(read_bytes(path), path), path)
-    check_kind(fields, "terrain")
+    fields = read_fields(path, "terrain")
     options, stated = fields.mapping("options"), fields.mapping("statistics")
     polygons, sources = fields.items("polygons"), fields.items("sources")
     if len(polygons) != len(sources):
