@@ -167,6 +167,23 @@ def test_exports(tmp_path: Path, capsys: Capture, name: str, begins: str) -> Non
     assert other.read_text() == text
 
 
+@pytest.mark.parametrize("name", ["tank.npz", "tank"])
+def test_a_strategy_is_not_written_over_its_own_arrays(tmp_path: Path, capsys: Capture, name: str) -> None:
+    path = tmp_path / name
+    assert main(["synth", spec(tmp_path, DOOR), "--strategy", "ranking", "-o", str(path)]) == 2
+    assert capsys.readouterr().err == f"error: {path}: has to end with .json\n"
+    assert not path.exists()
+
+
+def test_an_export_does_not_replace_its_strategy(tmp_path: Path, capsys: Capture) -> None:
+    strategy = tmp_path / "s.json"
+    answered(["synth", spec(tmp_path, DOOR), "-o", str(strategy)], capsys)
+    before = strategy.read_bytes()
+    assert main(["export", str(strategy), "--format", "dot", "-o", str(tmp_path / "." / "s.json")]) == 2
+    assert "is named twice" in capsys.readouterr().err
+    assert strategy.read_bytes() == before
+
+
 def test_a_ranking_is_saved_verified_played_and_exported(
     tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -82,3 +82,19 @@ def test_planar_regions_are_no_scans(tmp_path: Path, capsys: Capture) -> None:
     path.write_text("planarRegions: []\n")
     assert main(["terrain", "segment", str(path), "--resolution", "0.02"]) == 2
     assert "only allowed for scans" in capsys.readouterr().err
+
+
+def test_a_scan_is_not_replaced_by_its_polygons(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "regions.json"
+    path.write_text("{}")
+    assert main(["terrain", "segment", str(path), "-o", str(path)]) == 2
+    assert "is named twice" in capsys.readouterr().err
+    assert path.read_text() == "{}"
+
+
+def test_a_scan_is_not_replaced_by_its_picture(picture: Path, capsys: Capture) -> None:
+    before = picture.read_bytes()
+    wish = ["--resolution", "0.02", "--height-range", "0", "1", "--plot", str(picture)]
+    assert main(["terrain", "segment", str(picture), *wish]) == 2
+    assert "is named twice" in capsys.readouterr().err
+    assert picture.read_bytes() == before

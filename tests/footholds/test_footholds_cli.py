@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from calling import run
+from surefoot.footholds.explain import in_digits
 
 PROBLEM = """\
 format: 1
@@ -132,6 +133,30 @@ def test_files_are_looked_at_before_any_work(
 ) -> None:
     assert run("footholds", "solve", str(tmp_path / "none.yaml"), option, name) == 2
     assert capsys.readouterr().err == f"error: {says}\n"
+
+
+@pytest.mark.parametrize("option", ["-o", "--gait"])
+def test_a_problem_is_not_replaced_by_what_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], option: str
+) -> None:
+    path = write(tmp_path, 0.3)
+    same = path.rename(path.with_suffix(".json"))
+    before = same.read_bytes()
+    assert run("footholds", "solve", str(same), option, str(same)) == 2
+    assert "is named twice" in capsys.readouterr().err
+    assert same.read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["plan.yaml", "plan"])
+def test_a_plan_is_written_where_others_look_for_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    assert run("footholds", "solve", str(tmp_path / "none.yaml"), "-o", name) == 2
+    assert capsys.readouterr().err == f"error: {name}: has to end with .json\n"
+
+
+def test_long_ways_are_told_without_powers_of_ten() -> None:
+    assert [in_digits(value, 2) for value in (0.25, 64.39, 99.6, 190.0, 1234.5)] == ["0.25", "64", "100", "190", "1234"]
 
 
 def test_an_animation_is_a_gif(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

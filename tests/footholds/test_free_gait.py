@@ -27,6 +27,8 @@ from surefoot.footholds.skeleton import skeleton
 from surefoot.footholds.solvers import HighsSolver, run_highs, solver_of
 from surefoot.footholds.templates import first_templates, templates
 from surefoot.footholds.terrain import polygon
+from surefoot.verify.footholds.file import read_foothold_plan
+from surefoot.verify.footholds.free import Relaxation
 
 GOOD = """\
 format: 1
@@ -177,6 +179,19 @@ def test_the_checker_refuses_doctored_bounds(
     assert any(says in finding.message for finding in checked(tmp_path / "broken.json").kept)
 
 
+@pytest.mark.parametrize("price", [-2.3e18, -7e18, -1.1e19, -4.3e19])
+def test_no_bound_rests_on_rounding(proved: Path, tmp_path: Path, price: float) -> None:
+    """All feet stand in the first and the last cell, so that what they are paid there should cancel."""
+    document = json.loads(proved.read_text())
+    bound = document["free"]["bound"]
+    bound.update(tree=None, worth=None)
+    bound["first"]["contact"][0] = bound["first"]["contact"][-1] = price
+    (tmp_path / "large.json").write_text(json.dumps(document))
+    ledger = checked(tmp_path / "large.json")
+    assert ledger.kept
+    assert float(str(ledger.counts["bound"])) < 0
+
+
 def test_no_bound_is_claimed_that_the_checker_could_not_derive(tmp_path: Path) -> None:
     short = replace(leap(), options=replace(leap().options, cell_s=0.05, min_dwell_cells=1))
     solution = solve(short)
@@ -185,6 +200,15 @@ def test_no_bound_is_claimed_that_the_checker_could_not_derive(tmp_path: Path) -
     assert any("no bound over all gaits is claimed" in note for note in solution.notes)
     write_plan(tmp_path / "plan.json", short, solution)
     assert not checked(tmp_path / "plan.json").kept
+
+
+def test_a_search_that_ends_early_says_so(tmp_path: Path) -> None:
+    """The first prices prove too little here, though swings of a cell are long enough to check more."""
+    (tmp_path / "flat.yaml").write_text(GOOD.replace("s: 1.0", "s: 0.8").replace("0.6, 0, 0.29", "0.047, 0, 0.29"))
+    problem = read_problem(tmp_path / "flat.yaml")
+    solution = solve(replace(problem, options=replace(problem.options, first_plan=True)))
+    assert solution.bound is None
+    assert "ended before" in solution.notes[-1]
 
 
 def test_is_deterministic() -> None:
@@ -221,6 +245,43 @@ def test_refutes_the_hopeless_and_the_checker_agrees(tmp_path: Path, seed: int) 
     document["values"]["polygons"][0] = {"vertices_m": square, "friction": 0.6}
     (tmp_path / "false.json").write_text(json.dumps(document))
     assert checked(tmp_path / "false.json").kept
+
+
+NOTHING: dict[str, list[Any]] = {
+    "pinned": [], "newton": [], "limit": [], "cover": [], "near": [], "cone": [],
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def relaxed(tmp_path_factory: pytest.TempPathFactory) -> Relaxation:
+    """What a checker knows of a problem that has a plan."""
+    path = tmp_path_factory.mktemp("relaxed") / "plan.json"
+    write_plan(path, leap(), solve(leap()))
+    return Relaxation(read_foothold_plan(path))
+
+
+@pytest.mark.parametrize(
+    "leaf",
+    [
+        {"newton": [[1, 2, 1.0], [1, -1, -1.0]]},
+        {"newton": [[True, 0, 1.0]]},
+        {"newton": [[1.5, 0, 1.0]]},
+        {"near": [[5, 2, 0, 2, 1.0]]},
+        {"pinned": [[5, 0.5]]},
+        {"pinned": [[10_000, 1]]},
+    ],
+)
+def test_the_checker_refuses_rows_that_are_not_there(relaxed: Relaxation, leaf: dict[str, Any]) -> None:
+    with pytest.raises((ValueError, IndexError)):
+        relaxed.least({**NOTHING, **leaf})
+
+
+@pytest.mark.parametrize("large", [1e16, 1e17, 3e18, 1e30])
+def test_no_refutation_rests_on_rounding(relaxed: Relaxation, large: float) -> None:
+    cover = [[0, large], [9, 3.3], [9, 7.7]]
+    near = [[5, 0, 0, 0, large], [5, 0, 0, 1, -large]]
+    assert relaxed.least({**NOTHING, "cover": cover}) <= 0
+    assert relaxed.least({**NOTHING, "cover": cover, "near": near}) <= 0
 
 
 @pytest.mark.parametrize("seed", [0, 1])

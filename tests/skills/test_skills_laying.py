@@ -17,7 +17,8 @@ from surefoot.skills.blocking import barriers
 from surefoot.skills.crevices import crevices
 from surefoot.skills.lattice_fit import ground_edges, headings_rad, offsets
 from surefoot.skills.laying import Wish, lay_cells
-from surefoot.skills.obstacles import excesses, why_obstacle
+from surefoot.skills.measures import NONE, SINGLE
+from surefoot.skills.obstacles import Excess, excesses, why_obstacle
 from surefoot.skills.values import OBSTACLE
 
 MARGIN_M = 0.02
@@ -98,6 +99,18 @@ def test_stairs_beyond_the_rules_name_cell_measure_and_limit(riser_m: float, tre
         assert step.why[0].value == pytest.approx(riser_m, abs=1e-6)
         assert step.why[0].high == 0.201
         assert "its height above the robot's ground is 0.25 m, allowed is" in step.sentence
+
+
+def test_a_single_bar_has_no_spacing_in_metres() -> None:
+    one, none = Excess("across_m", SINGLE, 0.15, 0.35), Excess("along_m", NONE, 0.15, 0.35)
+    assert one.text == "the spacing of its bars across the heading is that of a single one, allowed is 0.15 to 0.35"
+    assert none.text == "the spacing of its bars along the heading is without end, allowed is 0.15 to 0.35"
+    assert (one.stands_for, none.stands_for, Excess("spacing_m", math.inf, 0.05, 0.2).stands_for) == (
+        "single",
+        "none",
+        "none",
+    )
+    assert Excess("slope_deg", SINGLE, 0.0, 10.0).stands_for == ""
 
 
 def test_a_closed_move_is_a_barrier_like_an_obstacle() -> None:

@@ -79,9 +79,32 @@ def _pull_on_clearance(document: dict[str, Any]) -> None:
         kept["clearance"] = [[*row[:4], 5.0] for row in kept.get("clearance", [[4, 0, 0, 0, 1.0]])]
 
 
+def _press(family: str, row: list[float]) -> Callable[[dict[str, Any]], None]:
+    def change(document: dict[str, Any]) -> None:
+        for kept in document["proof"]["multipliers"]:
+            kept[family] = [*kept.get(family, []), row]
+
+    return change
+
+
+def _overflow(document: dict[str, Any]) -> None:
+    _claim_more(document)
+    for _ in range(3):
+        _press("reach", [5, 0, 0, 0, 1e308])(document)
+
+
+def _turn_before_the_start(document: dict[str, Any]) -> None:
+    document["proof"]["turning"].append([-12, 2, 1e-3])
+
+
 @pytest.mark.parametrize(
     ("change", "rule"),
     [
+        (_overflow, "proof"),
+        (_turn_before_the_start, "proof"),
+        (_press("friction", [-1, 0, 0.0, 0.0, -1e-3]), "proof"),
+        (_press("torque", [5, -1, 0, 0, 1e-3]), "proof"),
+        (_press("clearance", [True, 0, 0, 0, -1e-3]), "proof"),
         (_shift("base_m", 1e-4), "integration"),
         (_shift("forces_n", 1.0), "dynamics"),
         (_shift("feet_m", 1e-4), "integration"),

@@ -96,10 +96,12 @@ def test_what_is_nothing_to_look_at(option: str, tmp_path: Path, capsys: pytest.
     (tmp_path / "noise.json").write_bytes(bytes(range(256)))
     (tmp_path / "zebra.json").write_text(json.dumps({"kind": "zebra"}))
     (tmp_path / "noise.bin").write_bytes(bytes(range(256)))
+    (tmp_path / "events.yaml").write_text("format: 1\nkind: quadruped-events\nevents: []\n")
     for name, complaint in (
         ("missing", "does not exist"),
         ("empty", "is none of these"),
         ("noise.bin", "is none of these"),
+        ("events.yaml", "is none of these"),
         ("noise.json", "is not whole JSON"),
         ("zebra.json", "is no kind that can be drawn; allowed are foothold-plan,"),
     ):

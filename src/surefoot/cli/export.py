@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from surefoot.cli.gr1 import kind_of
-from surefoot.cli.output import AsJson, to_write
+from surefoot.cli.output import AsJson, apart, to_write
 from surefoot.errors import InputError
 
 if TYPE_CHECKING:
@@ -50,6 +50,7 @@ def export(
     from surefoot.compute import write_text_whole
     from surefoot.logic.exports import export as exported
 
+    apart(strategy, output)
     text = exported(_listed(strategy), to.value)
     if output is not None:
         write_text_whole(output, text)

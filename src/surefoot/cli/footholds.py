@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.cli.failures import ExitCode
-from surefoot.cli.output import PICTURES, AsJson, answer, facts, jsonable, to_write
+from surefoot.cli.output import PICTURES, AsJson, answer, apart, facts, jsonable, to_write
 
 if TYPE_CHECKING:
     from surefoot.footholds import FreeAnswer, Problem, Solution
@@ -25,7 +25,7 @@ _ProblemFile = Annotated[
 def solve(
     problem: _ProblemFile,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", callback=to_write(), help="The plan file to write.")
+        Path | None, typer.Option("-o", "--output", callback=to_write(".json"), help="The plan file to write.")
     ] = None,
     plot: Annotated[
         Path | None, typer.Option("--plot", callback=to_write(*PICTURES), help="A picture (PNG) to draw.")
@@ -66,6 +66,7 @@ def solve(
     from surefoot.footholds import retarget as retarget_goal
     from surefoot.footholds import solve as solve_problem
 
+    apart(problem, output, gait)
     read = read_problem(problem)
     if time_limit_s is not None:
         read = replace(read, options=replace(read.options, time_limit_s=time_limit_s))

@@ -37,6 +37,21 @@ def to_write(*suffixes: str) -> Callable[[Path | None], Path | None]:
     return looked_at
 
 
+def apart(*paths: Path | None) -> None:
+    """Refuse, before any work is done, a file to write that is one to read, or to write otherwise.
+
+    Args:
+        paths: of the file that is read, then of those that are written; None: not wished for.
+    """
+    seen: set[Path] = set()
+    for path in (path for path in paths if path is not None):
+        if path.resolve() in seen:
+            from surefoot.errors import InputError
+
+            raise InputError("is named twice, and what it holds would be lost; choose another name", source=path)
+        seen.add(path.resolve())
+
+
 def answer(value: object, lines: Sequence[str], *, yes: bool, as_json: bool) -> None:
     """Print an answer and end the command with exit code 0 or 1.
 

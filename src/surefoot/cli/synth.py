@@ -54,7 +54,7 @@ class Certified:
 def synth(
     spec: Annotated[Path, typer.Argument(help="A slugsin or structuredslugs file.", show_default=False)],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", callback=to_write(), help="The file for the strategy, JSON.")
+        Path | None, typer.Option("-o", "--output", callback=to_write(".json"), help="The file for the strategy, JSON.")
     ] = None,
     semantics: SemanticsOption = Semantics.SLUGS,
     engine: EngineOption = EngineName.AUTO,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from surefoot.cli.output import PICTURES, AsJson, answer, facts, to_write
+from surefoot.cli.output import PICTURES, AsJson, answer, apart, facts, to_write
 from surefoot.cli.terrain_lay import lay
 
 if TYPE_CHECKING:
@@ -88,6 +88,7 @@ def segment(
     """
     from surefoot.world import SegmentOptions
 
+    apart(source, output, plot)
     options = SegmentOptions(
         margin_m=margin_m,
         max_slope_deg=max_slope_deg,

@@ -80,7 +80,8 @@ class Bounding:
                 break
             suggested += self.tree.grow(worth, stop)
         found = self._claimed(min(self.tree.bound, worth))
-        if found > self.proof.bound:
+        if found > self.proof.bound or self.proof.tree is not None:
+            # once the tree is the proof, its worth has to be that of its leaves, which follow the best plan
             self.proof = GaitProof(found, self.proof.first, self.tree.root, worth)
         return suggested
 
@@ -116,7 +117,11 @@ class Bounding:
     def _claimed(self, bound: float) -> float:
         """Return a little less, for checkers who cut the ground otherwise; minus infinity if they could not follow."""
         claimed = bound - _MARGIN * abs(bound)
-        return claimed if self.landing <= _PART * claimed else -np.inf
+        return claimed if self.checkable(claimed) else -np.inf
+
+    def checkable(self, bound: float) -> bool:
+        """Return whether such a bound exceeds by far what landings take off that a checker derives."""
+        return self.landing <= _PART * bound
 
 
 def _landing(problem: Problem) -> float:

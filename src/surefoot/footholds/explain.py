@@ -265,11 +265,16 @@ def _lacks(problem: Problem, groups: Index, amounts: np.ndarray) -> list[Lack]:
 def _lack(family: str, foot: str, step: int, amount: float, detail: str) -> Lack:
     unit = _UNITS[family]
     much = (
-        f"{amount * 100:.2g} cm"
+        f"{in_digits(amount * 100, 2)} cm"
         if unit == "m" and amount >= 1e-3
-        else f"{amount * 1000:.2g} mm"
+        else f"{in_digits(amount * 1000, 2)} mm"
         if unit == "m"
-        else f"{amount:.3g} {unit}"
+        else f"{in_digits(amount, 3)} {unit}"
     )
     whose = f"{foot} foot, " + (f"step {step}, " if step else "first stance, ") if foot else "base, "
     return Lack(family, foot, step, amount, unit, f"{whose}{family} short by {much}" + (f" {detail}" if detail else ""))
+
+
+def in_digits(value: float, digits: int) -> str:
+    """Return a number with so many digits, or as a whole number where it has more before the point."""
+    return f"{value:.{digits}g}" if value < 10**digits - 0.5 else f"{value:.0f}"

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from surefoot.footholds.cells import MOST_CELLS, cell_count
-from surefoot.footholds.explain import Explanation, Lack, linear_form
+from surefoot.footholds.explain import Explanation, Lack, in_digits, linear_form
 from surefoot.footholds.gaits import FreeGait
 from surefoot.footholds.problem import Problem
 from surefoot.footholds.reduction import at_rest, differences
@@ -84,7 +84,7 @@ def _turned_too_fast(problem: Problem, time_limit_s: float) -> list[Lack]:
     if short <= _SHOWN:
         return []
     text = (
-        f"no gait turns the base in {problem.gait.horizon_s:g} s: that takes {short:.3g} N m more than the "
+        f"no gait turns the base in {problem.gait.horizon_s:g} s: that takes {in_digits(short, 3)} N m more than the "
         f"{problem.robot.base_torque_max_nm:g} N m that the model allows"
     )
     return [Lack("base torque", "", 0, short, "N m", text)]
@@ -117,9 +117,9 @@ def _lack(place: int, amount: float) -> Lack:
         text = f"no gait: the base passes where no foot reaches any polygon, short by {much}"
         return Lack("reach", "", 0, amount, "m", text)
     if place < 9:
-        text = f"no gait: four legs push {amount:.3g} N too little {_WAYS[place - 3]}"
+        text = f"no gait: four legs push {in_digits(amount, 3)} N too little {_WAYS[place - 3]}"
         return Lack("torque", "", 0, amount, "N", text)
-    return Lack("friction", "", 0, amount, "N", f"no gait: friction holds {amount:.3g} N too little")
+    return Lack("friction", "", 0, amount, "N", f"no gait: friction holds {in_digits(amount, 3)} N too little")
 
 
 def _longer(problem: Problem) -> list[Lack]:
@@ -141,4 +141,4 @@ def _longer(problem: Problem) -> list[Lack]:
 
 
 def _cm(amount_m: float) -> str:
-    return f"{amount_m * 100:.3g} cm"
+    return f"{in_digits(amount_m * 100, 3)} cm"

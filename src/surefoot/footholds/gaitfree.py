@@ -248,6 +248,8 @@ class _Search:
         """Return why no bound is claimed, if none is."""
         if self.bounding is None or np.isfinite(self.bound):
             return ()
+        if self.found is not None and self.bounding.checkable(self.found.value):
+            return ("no bound over all gaits is claimed: the search ended before one was high enough to be checked",)
         shortest_s = self.problem.options.min_dwell_cells * self.problem.options.cell_s
         return (
             f"no bound over all gaits is claimed: with swings of {shortest_s:g} s it is too loose to be checked; "

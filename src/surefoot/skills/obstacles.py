@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from surefoot.skills.classes import ClassSet
-from surefoot.skills.measures import NONE
+from surefoot.skills.measures import NONE, SINGLE
 from surefoot.skills.quadruped_terrain import QuadrupedTerrain
 from surefoot.skills.values import OBSTACLE, Cell
 
@@ -22,6 +22,8 @@ _WORDS = {
     "across_m": ("the spacing of its bars across the heading is", " m"),
     "along_m": ("the spacing of its bars along the heading is", " m"),
 }
+_BARS = ("across_m", "along_m")
+_STAND_FOR = {"": "", "none": "without end", "single": "that of a single one"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +46,15 @@ class Excess:
     def text(self) -> str:
         """The measure, its value and its limit in words."""
         words, unit = _WORDS[self.measure]
-        value = "without end" if self.value >= NONE else f"{round(self.value, 3):g}{unit}"
+        value = _STAND_FOR[self.stands_for] or f"{round(self.value, 3):g}{unit}"
         return f"{words} {value}, {self._allowed}"
+
+    @property
+    def stands_for(self) -> str:
+        """What a value that is no number of its own stands for: ``none`` or a ``single`` bar; empty for numbers."""
+        if self.value >= NONE:
+            return "none"
+        return "single" if self.measure in _BARS and self.value == SINGLE else ""
 
     @property
     def _allowed(self) -> str:

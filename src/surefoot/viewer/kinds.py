@@ -107,11 +107,12 @@ def _of_folder(path: Path) -> Kind | None:
     return next((kind for file, kind in _FOLDERS if (path / file).is_file()), None)
 
 
-def _of_yaml(path: Path) -> Kind:
-    """Return the terrain of a quadruped, or a scenario, whose reader says what is wrong with it."""
+def _of_yaml(path: Path) -> Kind | None:
+    """Return the terrain of a quadruped, or, without a kind, a scenario, whose reader says what is wrong with it."""
     with path.open("rb") as stream:
         found = _YAML_KIND.search(stream.read(_HEAD_BYTES))
-    return QUADRUPED_TERRAIN if found is not None and found[1] == b"quadruped-terrain" else SCENARIO
+    kinds = {b"quadruped-terrain": QUADRUPED_TERRAIN, b"biped": SCENARIO}
+    return SCENARIO if found is None else kinds.get(found[1])
 
 
 def _of_json(path: Path) -> Kind:

@@ -18,6 +18,7 @@ from surefoot.verify.footholds.grid import Grid, grid_of
 from surefoot.verify.footholds.rows import nominal, references, surfaces
 from surefoot.verify.footholds.steps import Steps, cheapest
 from surefoot.verify.footholds.tube import Span, ends_of, leaves_of, tube_of
+from surefoot.verify.footholds.weighing import place_in, rounded
 
 _SPACINGS_M = ((0.08, 0.08), (0.055, 0.055), (0.025, 0.055), (0.0125, 0.055), (0.0125, 0.04))
 _MOST_WORK = 8e8
@@ -79,7 +80,7 @@ class _Prices:
         self.ground = surfaces(plan)
         self.reach = np.zeros((self.size, 4, 3))
         for i, j, a, _, m in kept["reach"]:
-            self.reach[int(i), int(j), int(a)] += float(m)
+            self.reach[place_in((i, j, a), self.size, 4, 3)] += float(m)
         self.pull, self.contact = np.array(kept["pull"], dtype=float), np.array(kept["contact"], dtype=float)
         if self.pull.shape != (self.size, 3) or not (np.isfinite(self.pull).all() and np.isfinite(self.reach).all()):
             raise ValueError("pull")
@@ -91,22 +92,29 @@ class _Prices:
         self.world = np.einsum("iab,ijb->ija", self.turns, self.reach)
         self.leans = leans(self.ground)
         self.walls, self.beyond = np.zeros((self.size, 3)), 0.0
-        for i, a, m in kept.get("walls", []):
-            bound = np.nan if cuts is None else float(cuts[int(m > 0)][int(i), int(a)])
+        for *place, m in kept.get("walls", []):
+            at = place_in(place, self.size, 3)
+            bound = np.nan if cuts is None else float(cuts[int(m > 0)][at])
             if not np.isfinite(bound * m):
                 raise ValueError("walls")
-            self.walls[int(i), int(a)] += m
+            self.walls[at] += m
             self.beyond += m * bound
 
     def proved(self, grids: list[Grid], span: Span) -> float:
         """Return what the multipliers prove while the base stays between two paths."""
-        rest = self.base()[0] + self.shared() - self.ties()
+        rest = self.base()[0] + self.shared() - self.ties() - rounded(self.paid())
         return rest + sum(self.foot(j, grid, span) for j, grid in enumerate(grids))
 
     def ties(self) -> float:
         """Return what the bounds of Eq. (16) take away."""
         span = np.array(self.plan.values["robot"]["foot_reach_m"], dtype=float)
         return float((self.reach * nominal(self.plan)).sum() + (np.abs(self.reach) * span).sum())
+
+    def paid(self) -> float:
+        """Return how large all that is paid to the base and the feet is."""
+        places = np.abs(self.feet) + max(float(np.abs(one.corners).max()) for one in self.ground)
+        sizes = (np.abs(self.reach).sum(axis=2) * places.sum(axis=2)).sum() + np.abs(self.walls).sum() * places.max()
+        return float(8 * np.abs(self.contact).sum() + 2 * sizes + (self.pull**2).sum())
 
     def base(self) -> tuple[float, Array, Array]:
         """Return the least that the base can cost, its force being rewarded by 2 y; its path; second derivatives."""

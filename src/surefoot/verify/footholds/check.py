@@ -152,7 +152,8 @@ def _check_no_gap(plan: FootholdFile, ledger: Ledger) -> None:
 
 def _proved(plan: FootholdFile) -> tuple[float, str]:
     try:
-        return proved_bound(plan)
+        with np.errstate(over="raise"):
+            return proved_bound(plan)
     except BROKEN as problem:
         return -np.inf, f"cannot be evaluated ({type(problem).__name__}: {str(problem)[:80]})"
 

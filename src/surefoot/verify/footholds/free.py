@@ -12,6 +12,7 @@ import numpy as np
 
 from surefoot.verify.footholds.file import Array, FootholdFile
 from surefoot.verify.footholds.rows import jacobians, nominal, references, surfaces
+from surefoot.verify.footholds.weighing import Tally, place_in, rounded
 
 _WHOLE = 1e-3
 _MOST_LEAVES = 2000
@@ -52,8 +53,8 @@ def refutation_problem(plan: FootholdFile, leaves: Any) -> str:
         least = relaxed.least(leaf)
         if not least > 0:
             return f"leaf {number} proves nothing ({least:.3g})"
-    pins = [{int(place): int(value) for place, value in leaf["pinned"]} for leaf in leaves]
-    return "" if _cover(pins) else "the leaves leave something out"
+    count = relaxed.cells * (1 + len(relaxed.ground))
+    return "" if _cover([_pins(leaf, count) for leaf in leaves]) else "the leaves leave something out"
 
 
 def _cover(pins: list[dict[int, int]]) -> bool:
@@ -101,65 +102,75 @@ class Relaxation:
 
     def least(self, leaf: Any) -> float:
         """Return the least that the weighted rows add up to, over the ranges of all unknowns; positive: a proof."""
-        base, force = np.zeros((self.size, 3)), np.zeros((self.size, 3))
-        carried, near = np.zeros(self.cells), np.zeros((self.cells, len(self.ground)))
-        shift = 0.0
-        for i, a, m in leaf["newton"]:
-            if not 1 <= i < self.size:
+        base, force = Tally((self.size, 3)), Tally((self.size, 3))
+        carried, near, shift = Tally(self.cells), Tally((self.cells, len(self.ground))), Tally(1)
+        for *place, m in leaf["newton"]:
+            i, a = place_in(place, self.size, 3)
+            if i == 0:
                 raise ValueError("newton")
             factor = m * self.mass / self.step_s**2
-            base[i, a] += factor
-            base[i - 1, a] -= factor * (2 if i > 1 else 1)
+            base.add((i, a), factor)
+            base.add((i - 1, a), -factor * (2 if i > 1 else 1))
             if i > 1:
-                base[i - 2, a] += factor
-            force[i, a] -= m
-            shift += m * self.mass * self.pull * (a == 2)
-        for i, way, m in leaf["limit"]:
+                base.add((i - 2, a), factor)
+            force.add((i, a), -m)
+            shift.add(0, m * self.mass * self.pull * (a == 2))
+        for *place, m in leaf["limit"]:
+            i, way = place_in(place, self.size, 6)
             if m > 0:
-                force[i, way // 2] += m * (-1 if way % 2 else 1)
-                carried[i // self.per] -= m * self.limit[way]
-        for cell, m in leaf["cover"]:
+                force.add((i, way // 2), m * (-1 if way % 2 else 1))
+                carried.add(i // self.per, -m * self.limit[way])
+        for *place, m in leaf["cover"]:
+            (cell,) = place_in(place, self.cells)
             if m > 0:
-                carried[cell] += m
-                near[cell] -= m
-        for i, a, r, side, m in leaf["near"]:
-            shift += self._near(int(i), int(a), int(r), int(side), float(m), base, near)
+                carried.add(cell, m)
+                near.add(cell, -m)
+        for *place, m in leaf["near"]:
+            i, a, r, side = place_in(place, self.size, 3, len(self.ground), 2)
+            if (m > 0) == (side == 0):
+                slack, limit = self._near(i, a, r, side)
+                base.add((i, a), m)
+                near.add((i // self.per, r), m * slack)
+                shift.add(0, -m * limit)
         for i, *vector in leaf["cone"]:
-            force[i] += vector
-            shift -= self._beyond(np.array(vector, dtype=float))
-        return float(shift + self._ranges(leaf, base, force, carried, near))
+            force.add(place_in([i], self.size)[0], np.array(vector, dtype=float))
+            shift.add(0, -self._beyond(np.array(vector, dtype=float)))
+        least, size = self._ranges(leaf, base, force, carried, near)
+        return float(shift.sum[0]) + least - rounded(float(shift.size[0]) + size)
 
-    def _near(self, i: int, a: int, r: int, side: int, m: float, base: Array, near: Array) -> float:
+    def _near(self, i: int, a: int, r: int, side: int) -> tuple[float, float]:
+        """Return by how much a row of "near" gives with 0, and its limit then."""
         corners = self.ground[r].corners[:, a]
-        if (m > 0) == (side == 1):
-            return 0.0
         if side == 0:
             bound = float(corners.max() - self.close[i, a])
             slack = max(self.high[a] - bound, 0.0)
-            limit = bound + slack
-        else:
-            bound = float(corners.min() - self.away[i, a])
-            slack = max(bound - self.low[a], 0.0)
-            limit = bound - slack
-        base[i, a] += m
-        near[i // self.per, r] += m * slack * (1 if side == 0 else -1)
-        return float(-m * limit)
+            return slack, bound + slack
+        bound = float(corners.min() - self.away[i, a])
+        slack = max(bound - self.low[a], 0.0)
+        return -slack, bound - slack
 
     def _beyond(self, vector: Array) -> float:
         """Return how much a vector that should be at most 0 on all pyramids may still add up to."""
         rays = np.concatenate([one.rays() for one in self.ground])
-        worst = max(float((rays @ vector / np.linalg.norm(rays, axis=1)).max()), 0.0)
-        return worst * 4 * float(np.linalg.norm(self.limit))
+        return max(float((rays @ vector).max()), 0.0) * 4 * float(np.linalg.norm(self.limit))
 
-    def _ranges(self, leaf: Any, base: Array, force: Array, carried: Array, near: Array) -> float:
+    def _ranges(self, leaf: Any, base: Tally, force: Tally, carried: Tally, near: Tally) -> tuple[float, float]:
+        """Return the least that sums add up to over the ranges of the unknowns, and how large their terms are."""
         low, high = np.tile(self.low, (self.size, 1)), np.tile(self.high, (self.size, 1))
         low[0] = high[0] = self.start
         low[-2:] = high[-2:] = self.goal
-        least = float(np.minimum(base * low, base * high).sum())
-        least += float(np.minimum(force * self.limit[::2], -force * self.limit[1::2]).sum())
-        factors = np.concatenate([carried, near.ravel()])
+        factors = np.concatenate([carried.sum, near.sum.ravel()])
         floor, ceiling = np.zeros(len(factors)), np.ones(len(factors))
         floor[[0, self.cells - 1]] = 1.0
-        for place, value in leaf["pinned"]:
-            floor[int(place)] = ceiling[int(place)] = float(value)
-        return least + float(np.minimum(factors * floor, factors * ceiling).sum())
+        for place, value in _pins(leaf, len(factors)).items():
+            floor[place] = ceiling[place] = value
+        least, size = 0.0, float(carried.size.sum() + near.size.sum())
+        for tally, lower, upper in ((base, low, high), (force, -self.limit[1::2], self.limit[::2])):
+            least += float(np.minimum(tally.sum * lower, tally.sum * upper).sum())
+            size += float((tally.size * np.maximum(np.abs(lower), np.abs(upper))).sum())
+        return least + float(np.minimum(factors * floor, factors * ceiling).sum()), size
+
+
+def _pins(leaf: Any, count: int) -> dict[int, int]:
+    """Return which binaries a leaf sets, and to what."""
+    return dict(place_in(one, count, 2) for one in leaf["pinned"])  # type: ignore[misc]

@@ -15,6 +15,7 @@ from scipy.sparse.linalg import splu
 from surefoot.verify.footholds.file import Array, FootholdFile
 from surefoot.verify.footholds.legs import half_space
 from surefoot.verify.footholds.rows import Surface, jacobians, nominal, references, start_surface, surfaces, windows
+from surefoot.verify.footholds.weighing import Tally, place_in, rounded
 
 
 class Lagrangian:
@@ -49,17 +50,19 @@ class Lagrangian:
         """Return the cost of given unknowns."""
         return float(unknowns @ (self.hessian @ unknowns) / 2 + self.linear @ unknowns + self.constant)
 
-    def least(self, tilt: Array, shift: float) -> float:
-        """Return the least value of cost + tilt @ unknowns + shift below the equations.
+    def least(self, tilt: Tally, shift: Tally) -> float:
+        """Return the least value of cost + tilt @ unknowns + shift below the equations; minus infinity if it is none.
 
         Only the part of the tilt along the equations moves the minimum away from the centre. It is split off first,
         as rays are huge across the equations and next to nothing along them.
         """
-        along = tilt.copy()
+        along = tilt.sum.copy()
         for _ in range(3):
             along = along - self.equations.T @ self.normal.solve(self.equations @ along)
         away = self.solver.solve(np.concatenate([-along, np.zeros(len(self.right))]))[: self.count]
-        return self.centre_cost + float(tilt @ self.centre) + shift + float(along @ away) / 2
+        found = self.centre_cost + float(tilt.sum @ self.centre) + float(shift.sum[0]) + float(along @ away) / 2
+        found -= rounded(float(shift.size[0] + tilt.size @ (1.0 + np.abs(self.centre))))
+        return found if np.isfinite(found) else -np.inf
 
     def _second(self) -> sp.csr_matrix:
         """Return second differences over samples, for what is at rest at sample 0; row 0 is empty."""
@@ -199,7 +202,7 @@ def _leaves(tree: list[Any], root: list[tuple[int, ...]]) -> tuple[list[tuple[in
         if "children" not in node:
             leaves.append((int(node["leaf"]), left))
             continue
-        split = int(node["split"])
+        (split,) = place_in([node["split"]], len(left))
         parts = [tuple(int(r) for r in child["left"]) for child in node["children"]]
         if not set(left[split]) <= {r for part in parts for r in part}:
             return [], f"the split of node {place} leaves something out"
@@ -210,7 +213,7 @@ def _leaves(tree: list[Any], root: list[tuple[int, ...]]) -> tuple[list[tuple[in
 
 def tilted(
     lagrangian: Lagrangian, kept: dict[str, Any], turning: list[Any], choice: list[tuple[int, ...]]
-) -> tuple[Array, float, str]:
+) -> tuple[Tally, Tally, str]:
     """Return what multipliers add to the cost: a linear form, a constant, and what is wrong with them."""
     weigher = _Weigher(lagrangian, choice)
     weigher.bodily(kept, turning)
@@ -222,8 +225,8 @@ def tilted(
 class _Weigher:
     def __init__(self, lagrangian: Lagrangian, choice: list[tuple[int, ...]]) -> None:
         self.lagrangian, self.plan, self.choice = lagrangian, lagrangian.plan, choice
-        self.tilt = np.zeros(lagrangian.count)
-        self.shift = 0.0
+        self.tilt, self.shift = Tally(lagrangian.count), Tally(1)
+        self.size = len(self.plan.contacts)
         self.problem = ""
 
     def press(self, index: Any, factors: Any, multiplier: float, upper: float, lower: float) -> None:
@@ -232,48 +235,54 @@ class _Weigher:
         if not np.isfinite(limit):
             self.problem = "a multiplier presses on a bound that is not there"
             return
-        np.add.at(self.tilt, np.asarray(index), multiplier * np.asarray(factors, dtype=float))
-        self.shift -= multiplier * limit
+        self.tilt.add(np.asarray(index), multiplier * np.asarray(factors, dtype=float))
+        self.shift.add(0, -multiplier * limit)
 
     def bodily(self, kept: dict[str, Any], turning: list[Any]) -> None:
         g, plan, robot, options = self.lagrangian, self.plan, self.plan.values["robot"], self.plan.values["options"]
         middle, span = nominal(plan), np.array(robot["foot_reach_m"], dtype=float)
         for i, j, a, _, m in kept.get("reach", []):
-            i, j, a = int(i), int(j), int(a)
+            i, j, a = place_in((i, j, a), self.size, 4, 3)
             axis = g.turns[i][:, a]
             index = np.concatenate([g.feet[i, j], g.base[i]])
             self.press(index, np.concatenate([axis, -axis]), m, middle[j, a] + span[a], middle[j, a] - span[a])
         for i, j, k, _, m in kept.get("leg", []) if options.get("joint_reach") else []:
-            normal, bound = half_space(plan, middle, int(j), int(k))
-            index = np.concatenate([g.feet[int(i), int(j)], g.base[int(i)]])
-            turned = g.turns[int(i)] @ normal
+            i, j, k = place_in((i, j, k), self.size, 4, 4)
+            normal, bound = half_space(plan, middle, j, k)
+            index = np.concatenate([g.feet[i, j], g.base[i]])
+            turned = g.turns[i] @ normal
             self.press(index, np.concatenate([turned, -turned]), m, bound, -np.inf)
         for i, number, side, _, m in kept.get("clearance", []):
-            step = plan.steps[int(number)]
+            i, number, side = place_in((i, number, side), self.size, len(plan.steps), 2)
+            step = plan.steps[number]
             quarter = (step.touch - step.lift) // 4
-            ground = (step.lift - 1, step.touch)[int(side)]
+            ground = (step.lift - 1, step.touch)[side]
             if not step.lift + quarter <= i < step.touch - quarter:
                 self.problem = "a multiplier of clearance stands where there is no such row"
                 return
-            pair = [g.feet[int(i), step.foot, 2], g.feet[ground, step.foot, 2]]
+            pair = [g.feet[i, step.foot, 2], g.feet[ground, step.foot, 2]]
             self.press(pair, [1.0, -1.0], m, np.inf, float(options["clearance_m"]))
         for i, a, _, _, m in kept.get("support", []):
-            held = np.flatnonzero(plan.contacts[int(i)])
+            i, a = place_in((i, a), self.size, 3)
+            held = np.flatnonzero(plan.contacts[i])
             if len(held) < 3:
                 self.problem = "a multiplier of support stands where there is no such row"
                 return
-            places = [g.base[int(i), int(a)], *g.feet[int(i), held, int(a)]]
+            places = [g.base[i, a], *g.feet[i, held, a]]
             limit = float(options["com_support_m"])
             self.press(places, [1.0, *[-1.0 / len(held)] * len(held)], m, limit, -limit)
         for i, a, _, _, m in kept.get("tilt", []) if options["moment_balance"] else []:
-            middle_angle, most = g.angle_reference[int(i), int(a)], float(options["tilt_max_rad"])
-            self.press([g.angle[int(i), int(a)]], [1.0], m, middle_angle + most, middle_angle - most)
+            i, a = place_in((i, a), self.size, 3)
+            middle_angle, most = g.angle_reference[i, a], float(options["tilt_max_rad"])
+            self.press([g.angle[i, a]], [1.0], m, middle_angle + most, middle_angle - most)
         for i, number, row, region, m in kept.get("collision", []):
-            self._free(int(i), int(number), int(row), int(region), m)
+            counts = self.size, len(self.choice) - len(plan.steps), len(plan.values["free_regions"])
+            i, number, region = place_in((i, number, region), *counts)
+            self._free(i, number, int(row), region, m)
         rows = [(i, a, m) for i, a, m in turning] + [(i, a, m) for i, a, _, _, m in kept.get("base torque", [])]
         limit, dt = float(robot["base_torque_max_nm"]), plan.number("step_s")
         for i, a, m in rows:
-            i, a = int(i), int(a)
+            i, a = place_in((i, a), self.size, 3)
             if i == 0:
                 continue
             turns = [g.angle[i, a], g.angle[i - 1, a], g.angle[max(i - 2, 0), a]]
@@ -291,10 +300,11 @@ class _Weigher:
 
     def footholds(self, rows: list[Any]) -> None:
         for number, *vector in rows:
-            step, c = self.plan.steps[int(number)], np.array(vector, dtype=float)
-            corners = np.concatenate([self.lagrangian.ground[r].corners for r in self.choice[int(number)]])
-            np.add.at(self.tilt, self.lagrangian.feet[step.touch, step.foot], c)
-            self.shift -= float((corners @ c).max())
+            (number,) = place_in([number], len(self.plan.steps))
+            step, c = self.plan.steps[number], np.array(vector, dtype=float)
+            corners = np.concatenate([self.lagrangian.ground[r].corners for r in self.choice[number]])
+            self.tilt.add(self.lagrangian.feet[step.touch, step.foot], c)
+            self.shift.add(0, -float((corners @ c).max()))
 
     def forces(self, friction: list[Any], torque: list[Any]) -> None:
         robot, plan = self.plan.values["robot"], self.plan
@@ -302,15 +312,18 @@ class _Weigher:
         limits = np.array(robot["torque_max_nm"], dtype=float)
         most_n = max(float(np.linalg.norm(np.linalg.inv(arm), 2)) for arm in arms) * float(np.linalg.norm(limits))
         for i, j, a, _, m in torque:
-            i, j, a = int(i), int(j), int(a)
+            i, j, a = place_in((i, j, a), self.size, 4, 3)
+            if not plan.contacts[i, j]:
+                self.problem = "a multiplier of torque stands in swing"
+                return
             self.press(self.lagrangian.force[i, j], arms[j][:, a], m, float(limits[a]), -float(limits[a]))
         for i, j, *vector in friction:
-            i, j, c = int(i), int(j), np.array(vector, dtype=float)
+            (i, j), c = place_in((i, j), self.size, 4), np.array(vector, dtype=float)
             on = [k for k, step in enumerate(plan.steps) if step.foot == j and step.touch <= i < step.leave]
             ids = self.choice[on[0]] if on else (start_surface(plan, self.lagrangian.ground, j),)
             if not plan.contacts[i, j]:
                 self.problem = "a multiplier of friction stands in swing"
                 return
             worst = max(float((self.lagrangian.ground[r].rays() @ c).max()) for r in ids)
-            np.add.at(self.tilt, self.lagrangian.force[i, j], c)
-            self.shift -= max(worst, 0.0) * most_n
+            self.tilt.add(self.lagrangian.force[i, j], c)
+            self.shift.add(0, -max(worst, 0.0) * most_n)

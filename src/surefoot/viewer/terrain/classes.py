@@ -19,7 +19,6 @@ from matplotlib.patches import Rectangle as Box
 from surefoot.footholds.terrain import Polygon
 from surefoot.skills.classes import ClassSet
 from surefoot.skills.grid import LocalGrid
-from surefoot.skills.measures import NONE
 from surefoot.skills.obstacles import why_obstacle
 from surefoot.skills.patches import class_polygons, class_rectangles
 from surefoot.skills.quadruped_terrain import QuadrupedTerrain
@@ -152,8 +151,8 @@ def _notes(terrain: QuadrupedTerrain, cell: Cell) -> list[str]:
     why = why_obstacle(terrain, cell)
     if not why:
         return [f"{terrain.measured[cell].height_m:+.2f} m"]
-    parts = [(one.measure.partition("_"), min(one.value, NONE)) for one in why]
-    return [f"{name} {round(value, 3):g} {unit}".rstrip() for (name, _, unit), value in parts]
+    parts = [(one.measure.partition("_"), one) for one in why]
+    return [f"{name} {one.stands_for or f'{round(one.value, 3):g} {unit}'}".rstrip() for (name, _, unit), one in parts]
 
 
 def _lattice(axes: Axes, terrain: QuadrupedTerrain) -> None:
