@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from free_scenes import checked
 
-from surefoot.footholds import FreeGait, solve
+from surefoot.footholds import FreeGait, Problem, solve, write_plan
 from surefoot.footholds.explain_free import explain_free
 from surefoot.footholds.free_families import free_problem_of
 from surefoot.footholds.refute import refuted
 from surefoot.footholds.skeleton import skeleton
+from surefoot.footholds.terrain import polygon
 from surefoot.robots.quadruped import FOOT_NAMES
 
 
@@ -56,3 +60,29 @@ def test_an_infeasible_answer_is_explained() -> None:
     assert solution.verdict == "infeasible"
     assert solution.explanation is not None
     assert "too little" in solution.explanation.text
+
+
+def goal_beyond_a_wall(ahead_m: float) -> Problem:
+    """Return a problem whose goal is so far from the end of the ground that the front feet find none there."""
+    problem = free_problem_of("gap-leap", 0)
+    ground = polygon([[-0.6, -0.4, 0], [0.5, -0.4, 0], [0.5, 0.4, 0], [-0.6, 0.4, 0]])
+    options = replace(problem.options, time_limit_s=20.0)
+    goal = np.array([ahead_m, 0.0, problem.goal_m[2]])
+    return replace(problem, polygons=(ground,), goal_m=goal, gait=FreeGait(1.5), options=options)
+
+
+def test_a_foot_without_ground_at_the_goal_is_proof_enough(tmp_path: Path) -> None:
+    """Also for the checker, which looks at the ground itself; not where the ground is just within reach."""
+    edge_m = 0.5 - free_problem_of("gap-leap", 0).robot.feet_m[0][0] + 0.15
+    beyond = goal_beyond_a_wall(edge_m + 0.01)
+    solution = solve(beyond)
+    assert solution.verdict == "infeasible"
+    write_plan(tmp_path / "plan.json", beyond, solution)
+    ledger = checked(tmp_path / "plan.json")
+    assert not ledger.kept
+    assert ledger.counts["refuted_by"] == "a foot without ground at the goal"
+    document = json.loads((tmp_path / "plan.json").read_text())
+    document["free"]["refutation"] = None
+    document["values"]["goal"]["position_m"][0] = edge_m - 0.01
+    (tmp_path / "doctored.json").write_text(json.dumps(document))
+    assert checked(tmp_path / "doctored.json").kept

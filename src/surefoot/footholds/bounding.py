@@ -22,7 +22,8 @@ _FIRST_STAGES = (Stage(6e-3, 50), Stage(1e-3, 40))
 _SECOND_STAGES = (Stage(6e-4, 60),)
 _ROUND = 600
 _SPLIT = 0.7
-_MARGIN = 4e-3
+MARGIN = 4e-3
+"""What a claimed bound is below the proved one, as a part of it."""
 _FINEST_M, _PART = 0.04, 0.015
 
 
@@ -111,12 +112,12 @@ class Bounding:
     def _tube(self, region: Tube, worth: float) -> Tube:
         """Return where the base stays in a region, in plans that cost less than some worth."""
         assert self.first is not None
-        slack = worth - (1 - _MARGIN) * self.first.bound
+        slack = worth - (1 - MARGIN) * self.first.bound
         return tube_below(self.judge.base_hessian(0.0)[1], self.first.base_m, slack, region)
 
     def _claimed(self, bound: float) -> float:
         """Return a little less, for checkers who cut the ground otherwise; minus infinity if they could not follow."""
-        claimed = bound - _MARGIN * abs(bound)
+        claimed = bound - MARGIN * abs(bound)
         return claimed if self.checkable(claimed) else -np.inf
 
     def checkable(self, bound: float) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 
 from surefoot.errors import BackendMissing
 from surefoot.footholds.cells import Cells
+from surefoot.footholds.explain_free import unreached_goal
 from surefoot.footholds.free_form import free_form
 from surefoot.footholds.orientation import turning
 from surefoot.footholds.problem import Problem
@@ -43,18 +44,23 @@ class Decided:
 def decided_quickly(problem: Problem, stop: Callable[[], bool], *, thorough: bool = False) -> Decided | None:
     """Return that there is no plan if the skeleton says so, twice; None when that stays open."""
     if not problem.options.moment_balance and turning(problem).feasible is False:
-        begin = time.perf_counter()
-        also = HighsSolver().solve(free_form(problem, clearance=False).form, _SKELETON_S).feasible is False
-        methods = ("the base cannot be turned that fast", "HiGHS feasibility")[: 1 + also]
-        return Decided(methods, None, "no second method confirms it", None, (time.perf_counter() - begin) * 1e3)
+        return _confirmed_exactly(problem, "the base cannot be turned that fast")
     form = skeleton(problem)
     found = refuted(problem, form, stop, _MOST_NODES if thorough else _QUICK_NODES)
     if found is None:
-        return None
+        return _confirmed_exactly(problem, "a foot finds no ground at the goal") if unreached_goal(problem) else None
     begin = time.perf_counter()
     also = confirmed(found, _SKELETON_S)
     methods = ("checked rays of the skeleton", "HiGHS on the skeleton")[: 1 + also]
     return Decided(methods, None, "HiGHS does not confirm it", found, (time.perf_counter() - begin) * 1e3)
+
+
+def _confirmed_exactly(problem: Problem, reason: str) -> Decided:
+    """Ask HiGHS whether the exact program, without clearance, is infeasible as well."""
+    begin = time.perf_counter()
+    also = HighsSolver().solve(free_form(problem, clearance=False).form, _SKELETON_S).feasible is False
+    methods = (reason, "HiGHS feasibility")[: 1 + also]
+    return Decided(methods, None, "no second method confirms it", None, (time.perf_counter() - begin) * 1e3)
 
 
 def decided_exactly(problem: Problem, time_limit_s: float) -> Decided:

@@ -36,7 +36,7 @@ _NONE = np.zeros(0, dtype=np.int64)
 
 def explain_free(problem: Problem, time_limit_s: float = 3.0) -> Explanation | None:
     """Return what every gait lacks at least, or None when that is not found in time."""
-    lacks = _unreached_goal(problem) or _turned_too_fast(problem, time_limit_s)
+    lacks = unreached_goal(problem) or _turned_too_fast(problem, time_limit_s)
     if not lacks:
         lacks = _skeleton_lacks(problem, time_limit_s)
         if lacks:
@@ -46,7 +46,7 @@ def explain_free(problem: Problem, time_limit_s: float = 3.0) -> Explanation | N
     return Explanation(tuple(lacks), (), "; ".join(lack.text for lack in lacks[:4]))
 
 
-def _unreached_goal(problem: Problem) -> list[Lack]:
+def unreached_goal(problem: Problem) -> list[Lack]:
     """Return the feet that find no polygon within reach of the goal pose, in which all four stand."""
     found, turn = [], problem.rotations[-1]
     for foot, name in enumerate(FOOT_NAMES):

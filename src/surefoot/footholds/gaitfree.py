@@ -14,7 +14,7 @@ import numpy as np
 
 from surefoot.footholds.anneal import Annealing
 from surefoot.footholds.assembly import Parts
-from surefoot.footholds.bounding import Bounding
+from surefoot.footholds.bounding import MARGIN, Bounding
 from surefoot.footholds.cells import Cells, cell_count, fixed, gait_of
 from surefoot.footholds.decide import Decided, decided_exactly, decided_quickly
 from surefoot.footholds.dual import Pricing
@@ -40,6 +40,7 @@ _TRIES_BEFORE_EXACT = 160
 _SURE = 1.02
 _MOST_IDLE = 500
 _MOST_QUIET = 2
+_LEAST_GAP = 1.01 * MARGIN
 _LAST_S, _EVER_S = 2.0, 1e4
 
 
@@ -104,10 +105,10 @@ class _Search:
 
     @property
     def close(self) -> bool:
-        """Whether the gap is small enough."""
+        """Whether the gap is small enough, or nothing but what is left to checkers."""
         if self.found is None or self.problem.options.first_plan:
             return self.found is not None
-        return self.found.value - self.bound <= self.problem.options.gap * self.found.value
+        return self.found.value - self.bound <= max(self.problem.options.gap, _LEAST_GAP) * self.found.value
 
     def run(self, certify: bool) -> Solution:
         decided = decided_quickly(self.problem, self.stop)

@@ -13,7 +13,7 @@ from surefoot.verify.findings import Ledger
 from surefoot.verify.footholds.bound import gait_bound
 from surefoot.verify.footholds.fall import falls
 from surefoot.verify.footholds.file import BROKEN, FootholdFile, read_foothold_plan
-from surefoot.verify.footholds.free import cells_problem, refutation_problem
+from surefoot.verify.footholds.free import cells_problem, goal_without_ground, refutation_problem
 from surefoot.verify.footholds.problem import differing_keys
 from surefoot.verify.footholds.proof import proved_bound
 from surefoot.verify.footholds.reach import left_to_steps
@@ -77,6 +77,9 @@ def _check_motion(plan: FootholdFile, ledger: Ledger) -> None:
 def _check_free(plan: FootholdFile, free: dict[str, Any], ledger: Ledger) -> None:
     """Check a plan whose gait was found: motion, gait, and the bound over all gaits, or infeasibility."""
     if plan.answer.get("verdict") == "infeasible":
+        if goal_without_ground(plan):
+            ledger.counts.update(refuted_by="a foot without ground at the goal")
+            return
         problem = refutation_problem(plan, free.get("refutation"))
         ledger.counts.update(refuted_by="rays of the relaxation")
         if problem:

@@ -15,6 +15,7 @@ from surefoot.verify.footholds.rows import jacobians, nominal, references, surfa
 from surefoot.verify.footholds.weighing import Tally, place_in, rounded
 
 _WHOLE = 1e-3
+_NEAR_M = 1e-6
 _MOST_LEAVES = 2000
 
 
@@ -35,6 +36,20 @@ def cells_problem(plan: FootholdFile) -> str:
         if (np.diff(changes) < dwell).any():
             return f"a stance or swing is shorter than {dwell} cells"
     return ""
+
+
+def goal_without_ground(plan: FootholdFile) -> bool:
+    """Return whether some foot has no ground within reach of the goal pose, in which all feet stand at the end."""
+    robot, turn = plan.values["robot"], references(plan)[2][-1]
+    goal = np.array(plan.values["goal"]["position_m"], dtype=float)
+    span = np.array(robot["foot_reach_m"], dtype=float) + _NEAR_M
+    start = np.array(plan.values["start"]["feet_m"], dtype=float)
+    for foot, arm in enumerate(nominal(plan)):
+        places = [*(one.corners for one in surfaces(plan)), start[foot, None]]
+        seen = [(corners - goal) @ turn - arm for corners in places]
+        if not any(((one.min(axis=0) <= span) & (one.max(axis=0) >= -span)).all() for one in seen):
+            return True
+    return False
 
 
 def _per_cell(plan: FootholdFile) -> int:
