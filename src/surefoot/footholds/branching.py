@@ -22,7 +22,7 @@ from surefoot.footholds.rows import Array
 from surefoot.footholds.sharing import Prices
 from surefoot.footholds.tube import CLEAR_M, Tube, within_reach
 
-_STAGES = (Stage(6e-4, 30),)
+_STAGES = (Stage(1.5e-3, 40),)
 _LEAST_VIOLATION_M, _LEAST_SHARE = 0.003, 1e-6
 _NARROWEST_M, _WORTH_CUTTING_M = 0.005, 0.1
 _CANDIDATES = 20
