@@ -217,6 +217,19 @@ def test_the_checker_derives_the_bound_of_a_tree(parted: Path) -> None:
     assert claimed * (1 - 1e-6) <= ledger.counts["bound"] < 1.05 * claimed
 
 
+def test_a_tree_is_saved_with_the_prices_of_its_tube() -> None:
+    """Also where nothing could be claimed before there was a tree."""
+    bounding = Bounding(leap())
+    bounding.landing, bounding.proof = np.inf, replace(bounding.proof, bound=-np.inf)
+    for _ in range(2):
+        bounding.climb(1e5, lambda: False)
+    assert bounding.proof.bound == -np.inf
+    bounding.landing = 0.0
+    bounding.climb(1e5, lambda: False)
+    assert bounding.proof.tree is not None
+    assert bounding.proof.first is bounding.prices
+
+
 def leaves(node: dict[str, Any]) -> list[dict[str, Any]]:
     return [node] if "cut" not in node else leaves(node["below"]) + leaves(node["above"])
 

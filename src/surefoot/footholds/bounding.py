@@ -83,7 +83,7 @@ class Bounding:
         found = self._claimed(min(self.tree.bound, worth))
         if found > self.proof.bound or self.proof.tree is not None:
             # once the tree is the proof, its worth has to be that of its leaves, which follow the best plan
-            self.proof = GaitProof(found, self.proof.first, self.tree.root, worth)
+            self.proof = GaitProof(found, self.prices, self.tree.root, worth)
         return suggested
 
     def _begin(self, worth: float, stop: Callable[[], bool]) -> list[Cells]:

@@ -394,8 +394,3 @@ def all_open(problem: Problem) -> Choice:
 def decided(choice: Choice) -> bool:
     """Return whether nothing is left open."""
     return all(len(left) == 1 for left in choice)
-
-
-def chosen_polygons(problem: Problem, choice: Choice) -> Sequence[int]:
-    """Return the polygon of every footstep of a choice that is decided."""
-    return [left[0] for left in choice[: len(problem.footsteps)]]
